@@ -1,8 +1,8 @@
 //! Columns of the table of cells, under depthmapX's names where it has them.
 
-/// One column: its name, what a unit of it is, what it tells.
+/// What stands at the head of a column: its name, what a unit of it is, what it tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Column {
+pub struct Heading {
     /// Name of the column, without the radius.
     pub name: &'static str,
     /// What one unit is; empty for plain numbers.

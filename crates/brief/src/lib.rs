@@ -9,8 +9,8 @@ mod table;
 
 use serde::{Deserialize, Serialize};
 
-pub use column::Column;
-pub use measure::{Measure, Scale, Source};
+pub use column::Heading;
+pub use measure::{Growth, Measure, Source};
 pub use table::{Entry, Row, TABLE, Wording, column_of, columns, entries, rows};
 
 /// Whether more or less of something is better.

@@ -108,7 +108,7 @@ impl Source {
 
 /// How the values of a measure grow as cells become smaller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
+pub enum Growth {
     /// Not at all.
     Fixed,
     /// They count cells, which people are told as area: with their number.
@@ -155,10 +155,10 @@ impl Measure {
 
     /// By what power of the spacing a value must be multiplied to be the same on a finer lattice.
     pub fn power_of_spacing(self) -> i32 {
-        match self.entry().scale {
-            Scale::Fixed => 0,
-            Scale::Cells | Scale::Sum => 2,
-            Scale::Lines => 3,
+        match self.entry().growth {
+            Growth::Fixed => 0,
+            Growth::Cells | Growth::Sum => 2,
+            Growth::Lines => 3,
         }
     }
 

@@ -5,7 +5,7 @@ mod sight;
 mod ways;
 mod whole;
 
-use super::{Column, Measure, Scale, Sense, Source};
+use super::{Growth, Heading, Measure, Sense, Source};
 
 /// How something that is measured is named to an architect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +40,7 @@ pub struct Entry {
     /// What it is computed from, and so what it costs.
     pub source: Source,
     /// How it grows as cells become smaller.
-    pub scale: Scale,
+    pub growth: Growth,
 }
 
 /// A measure and its column in the table of cells. Some columns are no measure to ask for, and what is of the layout
@@ -48,7 +48,7 @@ pub struct Entry {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {
     /// In the table of cells, if it stands there.
-    pub column: Option<Column>,
+    pub column: Option<Heading>,
     /// In settings and results, if it can be asked for.
     pub measure: Option<Entry>,
 }
@@ -56,7 +56,7 @@ pub struct Row {
 impl Row {
     /// A column that is no measure to ask for.
     const fn column(name: &'static str, unit: &'static str, meaning: &'static str) -> Self {
-        Self { column: Some(Column { name, unit, meaning }), measure: None }
+        Self { column: Some(Heading { name, unit, meaning }), measure: None }
     }
 }
 
@@ -114,7 +114,7 @@ pub fn rows() -> impl Iterator<Item = &'static Row> {
 }
 
 /// Every column in the order of the table.
-pub fn columns() -> impl Iterator<Item = &'static Column> {
+pub fn columns() -> impl Iterator<Item = &'static Heading> {
     rows().filter_map(|row| row.column.as_ref())
 }
 

@@ -1,6 +1,6 @@
 //! Every measure of a cell, by the name of its column, in plain words.
 
-use enfilade_brief::{Column, columns};
+use enfilade_brief::{Heading, columns};
 
 use super::html::Html;
 
@@ -22,8 +22,8 @@ pub fn no_value(column: &str) -> &'static str {
 }
 
 /// What the table says of a column, its radius left out.
-pub fn entry_of(column: &str) -> Option<&'static Column> {
-    let is_it = |e: &&Column| {
+pub fn entry_of(column: &str) -> Option<&'static Heading> {
+    let is_it = |e: &&Heading| {
         column.strip_prefix(e.name).is_some_and(|rest| {
             rest.is_empty() || rest.strip_prefix(" R").is_some_and(|radius| radius.parse::<f64>().is_ok())
         })

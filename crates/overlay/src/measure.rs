@@ -1,6 +1,6 @@
 //! What is measured in plain words, and how numbers are written for people.
 
-use enfilade_brief::{Measure, Scale};
+use enfilade_brief::{Growth, Measure};
 
 pub use enfilade_brief::Wording;
 
@@ -123,7 +123,7 @@ pub fn is_told(key: &str) -> bool {
 pub fn counts_cells(key: &str) -> bool {
     let key = key.strip_suffix(CHANGE).unwrap_or(key);
     let base = parts(key).0;
-    base == "degree_all" || Measure::by_name(base).is_some_and(|m| m.entry().scale == Scale::Cells)
+    base == "degree_all" || Measure::by_name(base).is_some_and(|m| m.entry().growth == Growth::Cells)
 }
 
 /// What ends the key of a map of how a measure changes.
@@ -345,6 +345,14 @@ mod tests {
         assert_eq!(ticks(3.0, 3.0, 5), [3.0]);
         assert_eq!((nice_at_most(37.0), nice_at_least(37.0)), (20.0, 50.0));
         assert_eq!((nice_at_most(0.5), nice_at_least(0.5)), (0.5, 0.5));
+    }
+
+    #[test]
+    fn everything_is_explained_once() {
+        let keys: Vec<&str> = wordings().map(|w| w.key).collect();
+        assert_eq!(keys[..FIRST.len()], FIRST);
+        assert_eq!(keys.len(), measures().count() + OWN.len());
+        assert_eq!(keys.iter().collect::<std::collections::BTreeSet<_>>().len(), keys.len());
     }
 
     #[test]

@@ -1,12 +1,12 @@
 //! The polygon seen.
 
 use super::Row;
-use crate::column::{Column, DEGREES, DRIFT_ANGLE};
-use crate::{Entry, Measure, Scale, Source, Wording};
+use crate::column::{DEGREES, DRIFT_ANGLE, Heading};
+use crate::{Entry, Growth, Measure, Source, Wording};
 
 pub(super) const ROWS: &[Row] = &[
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Isovist Area",
             unit: "m²",
             meaning: "The area that can be seen from here.",
@@ -25,11 +25,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "*A*",
             origin: "Benedikt 1979",
             source: Source::Isovist,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Isovist Compactness",
             unit: "share",
             meaning: "How round the visible area is: 1 for a circle, low for a long or ragged one.",
@@ -48,7 +48,7 @@ pub(super) const ROWS: &[Row] = &[
             definition: "4π*A* / *P*², from 0 to 1",
             origin: "depthmapX",
             source: Source::Isovist,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row::column(
@@ -57,7 +57,7 @@ pub(super) const ROWS: &[Row] = &[
         "The direction, anticlockwise from the right, in which most of the visible area lies.",
     ),
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Isovist Drift Magnitude",
             unit: "m",
             meaning: "How far the middle of the visible area is from here: 0 at the centre of a room.",
@@ -76,11 +76,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "distance to the centroid of the polygon",
             origin: "depthmapX",
             source: Source::Isovist,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
-        column: Some(Column { name: "Isovist Max Radial", unit: "m", meaning: "The longest view." }),
+        column: Some(Heading { name: "Isovist Max Radial", unit: "m", meaning: "The longest view." }),
         measure: Some(Entry {
             measure: Measure::IsovistMaxRadial,
             words: Wording {
@@ -95,11 +95,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "farthest point of *P*",
             origin: "Benedikt 1979",
             source: Source::Isovist,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Isovist Min Radial",
             unit: "m",
             meaning: "The distance to the nearest wall.",
@@ -118,11 +118,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "nearest point of *P*",
             origin: "Benedikt 1979",
             source: Source::Isovist,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Isovist Occlusivity",
             unit: "m",
             meaning: "The length of the visible area's edges that are not walls: beyond them there is more to discover.",
@@ -141,11 +141,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "length of *P* that is no wall",
             origin: "Benedikt 1979",
             source: Source::Isovist,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Isovist Perimeter",
             unit: "m",
             meaning: "The length of the outline of the visible area.",
@@ -164,7 +164,7 @@ pub(super) const ROWS: &[Row] = &[
             definition: "*P*",
             origin: "Benedikt 1979",
             source: Source::Isovist,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
 ];

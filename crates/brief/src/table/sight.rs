@@ -1,12 +1,12 @@
 //! Who sees whom, and the views it takes to get somewhere.
 
 use super::Row;
-use crate::column::{Column, MEAN_DEPTH_INTERVAL, VISUAL_ENTROPY};
-use crate::{Entry, Measure, Scale, Sense, Source, Wording};
+use crate::column::{Heading, MEAN_DEPTH_INTERVAL, VISUAL_ENTROPY};
+use crate::{Entry, Growth, Measure, Sense, Source, Wording};
 
 pub(super) const ROWS: &[Row] = &[
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Connectivity",
             unit: "cells",
             meaning: "How many other cells can be seen from here.",
@@ -25,11 +25,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "*k* × cell area",
             origin: "Turner 2001",
             source: Source::Forest,
-            scale: Scale::Cells,
+            growth: Growth::Cells,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Point First Moment",
             unit: "m",
             meaning: "The distances to all cells seen, added up: large where the view is wide and far.",
@@ -48,11 +48,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "Σ *r_i*",
             origin: "depthmapX",
             source: Source::Graph,
-            scale: Scale::Sum,
+            growth: Growth::Sum,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Point Second Moment",
             unit: "m²",
             meaning: "The squares of the distances to all cells seen, added up: far views count most.",
@@ -71,11 +71,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "Σ *r_i*²",
             origin: "depthmapX",
             source: Source::Graph,
-            scale: Scale::Sum,
+            growth: Growth::Sum,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Visual Clustering Coefficient",
             unit: "share",
             meaning: "How much of what is seen from here sees each other. 1: one open room. Low: a junction from which parts are seen that do not see each other.",
@@ -94,11 +94,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "pairs of seen cells that see each other / all such pairs, from 0 to 1",
             origin: "Turner 2001",
             source: Source::Graph,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Visual Control",
             unit: "",
             meaning: "Whether this spot sees cells that see little themselves: high where one place watches over many secluded ones.",
@@ -117,11 +117,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "Σ 1 / *k* of each cell seen",
             origin: "Turner 2001",
             source: Source::Graph,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Visual Controllability",
             unit: "share",
             meaning: "What is seen from here as a share of all that is seen from there: low where one is easily watched from elsewhere.",
@@ -140,7 +140,7 @@ pub(super) const ROWS: &[Row] = &[
             definition: "*k* / cells within two steps, with this one, from 0 to 1",
             origin: "Turner 2001",
             source: Source::Graph,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row::column(
@@ -149,7 +149,7 @@ pub(super) const ROWS: &[Row] = &[
         "How evenly the space is spread over the steps it takes to reach it.",
     ),
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Visual Integration [HH]",
             unit: "",
             meaning: "How few steps, each as far as one sees, it takes to reach everything, made comparable between plans of different size. High: central. Low: remote.",
@@ -168,11 +168,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "*D* / *RA*, *RA* = 2 (*d* − 1) / (*N* − 2), *D* = 2 (*N* (log₂((*N* + 2)/3) − 1) + 1) / ((*N* − 1)(*N* − 2))",
             origin: "Hillier 1984",
             source: Source::Forest,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Visual Integration [P-value]",
             unit: "",
             meaning: "The same, made comparable by another formula.",
@@ -191,11 +191,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "2 (*N* − log₂ *N* − 1) / ((*N* − 1)(*N* − 2)) / *RA*",
             origin: "depthmapX",
             source: Source::Forest,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Visual Integration [Tekl]",
             unit: "",
             meaning: "The same, made comparable by Teklenburg's formula.",
@@ -214,11 +214,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "ln((*N* − 2)/2) / ln(*T* − *N* + 1)",
             origin: "Teklenburg 1993",
             source: Source::Forest,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Visual Mean Depth",
             unit: "steps",
             meaning: "How many steps, each as far as one sees, it takes on average to reach a cell.",
@@ -237,7 +237,7 @@ pub(super) const ROWS: &[Row] = &[
             definition: "*d*",
             origin: "Hillier 1984",
             source: Source::Forest,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row::column(
@@ -246,7 +246,7 @@ pub(super) const ROWS: &[Row] = &[
         "Half the width of the interval that holds the mean depth in about 95 of 100 cases, where it was estimated from some cells of its area (Student's factor by how many; where all say the same, as if one more were a step off). −1: from one of several, which says nothing of the others.",
     ),
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Visual Node Count",
             unit: "cells",
             meaning: "How many cells can be reached at all, this one included: the size of the area the cell belongs to.",
@@ -265,11 +265,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "(*N* − 1) × cell area",
             origin: "Turner 2001",
             source: Source::Forest,
-            scale: Scale::Cells,
+            growth: Growth::Cells,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Visual Relativised Entropy",
             unit: "bits",
             meaning: "How far the spread over steps differs from what the mean depth alone would lead one to expect.",
@@ -288,7 +288,7 @@ pub(super) const ROWS: &[Row] = &[
             definition: "Σ *p_j* log₂ (*p_j* / *q_j*), *q_j* = *d^j* e^−*d* / (*j* + 1)!",
             origin: "depthmapX",
             source: Source::Forest,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
 ];

@@ -2,14 +2,14 @@
 
 use super::Row;
 use crate::column::{
-    ANGULAR_NODE_COUNT, ANGULAR_STEP_DEPTH, Column, METRIC_NODE_COUNT, METRIC_STEP_LENGTH, METRIC_STEP_TURN,
+    ANGULAR_NODE_COUNT, ANGULAR_STEP_DEPTH, Heading, METRIC_NODE_COUNT, METRIC_STEP_LENGTH, METRIC_STEP_TURN,
     VISUAL_STEP_DEPTH,
 };
-use crate::{Entry, Measure, Scale, Source, Wording};
+use crate::{Entry, Growth, Measure, Source, Wording};
 
 pub(super) const ROWS: &[Row] = &[
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Metric Mean Shortest-Path Turn",
             unit: "right angles",
             meaning: "How much one turns on the shortest way to a cell, on average; shortest as below. Where several ways are equally short, depthmapX's Metric Mean Shortest-Path Angle may be that of another: single cells differ by up to 3 %, whole plans by 0.1 %.",
@@ -28,11 +28,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "mean turn on them",
             origin: "depthmapX",
             source: Source::Metric,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Metric Mean Shortest-Path Distance",
             unit: "m",
             meaning: "The length of the shortest way to a cell, on average. Ways turn at centres of cells alone and are kept one a cell, as in depthmapX, and only at those next to a wall, so this is an upper bound: on coarse lattices single cells were found 8 % too long, whole plans within 2 %.",
@@ -51,11 +51,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "mean length of the shortest ways",
             origin: "depthmapX",
             source: Source::Metric,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Metric Mean Straight-Line Distance",
             unit: "m",
             meaning: "The distance to a cell as the crow flies, on average.",
@@ -74,12 +74,12 @@ pub(super) const ROWS: &[Row] = &[
             definition: "mean straight distance",
             origin: "depthmapX",
             source: Source::Metric,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row::column(METRIC_NODE_COUNT, "cells", "How many cells the mean was taken over, this one included."),
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Angular Mean Depth",
             unit: "right angles",
             meaning: "How much one has to turn at least on the way to a cell, on average. Ways turn at centres of cells alone and one is kept a cell, as in depthmapX, and only at those next to a wall, so this is an upper bound: on coarse lattices single cells were found 13 % too high, whole plans within 2 %.",
@@ -98,12 +98,12 @@ pub(super) const ROWS: &[Row] = &[
             definition: "mean of the least turns",
             origin: "depthmapX",
             source: Source::Angular,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row::column(ANGULAR_NODE_COUNT, "cells", "How many cells the mean was taken over, this one included."),
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Angular Total Depth",
             unit: "right angles",
             meaning: "The least turns to all cells, added up: an upper bound, as the mean is.",
@@ -122,11 +122,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "sum of the least turns",
             origin: "depthmapX",
             source: Source::Angular,
-            scale: Scale::Sum,
+            growth: Growth::Sum,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Sight Lines Through",
             unit: "lines",
             meaning: "How many lines of sight between two other cells pass here: high where many look through, as in a doorway or an axis. depthmapX's Through vision counts each both ways and leaves diagonal lines out.",
@@ -145,7 +145,7 @@ pub(super) const ROWS: &[Row] = &[
             definition: "lines of sight between others that pass",
             origin: "depthmapX",
             source: Source::Through,
-            scale: Scale::Lines,
+            growth: Growth::Lines,
         }),
     },
     Row::column(

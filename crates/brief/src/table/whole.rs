@@ -1,12 +1,12 @@
 //! The region of reference, which every table of cells has, and the layout as a whole.
 
 use super::Row;
-use crate::column::Column;
-use crate::{Entry, Measure, Scale, Sense, Source, Wording};
+use crate::column::Heading;
+use crate::{Entry, Growth, Measure, Sense, Source, Wording};
 
 pub(super) const ROWS: &[Row] = &[
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Degree",
             unit: "cells",
             meaning: "How much of the region of reference can be seen from here.",
@@ -25,11 +25,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "*k* within the reference region × cell area",
             origin: "µDOME",
             source: Source::Forest,
-            scale: Scale::Cells,
+            growth: Growth::Cells,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Depth",
             unit: "steps",
             meaning: "How many steps, each as far as one sees, it takes to the farthest cell.",
@@ -48,11 +48,11 @@ pub(super) const ROWS: &[Row] = &[
             definition: "last level with a cell",
             origin: "µDOME",
             source: Source::Forest,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
-        column: Some(Column {
+        column: Some(Heading {
             name: "Entropy",
             unit: "bits",
             meaning: "How evenly the space is spread over the steps it takes to reach it; 0 where nothing is seen.",
@@ -71,7 +71,7 @@ pub(super) const ROWS: &[Row] = &[
             definition: "−Σ *p_j* log₂ *p_j*, *p_j* = *n_j* / Σ *n_j*",
             origin: "µDOME, Turner 2001",
             source: Source::Forest,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
@@ -90,7 +90,7 @@ pub(super) const ROWS: &[Row] = &[
             definition: "Σ weight × relative gain − penalties",
             origin: "µDOME",
             source: Source::Layout,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
     Row {
@@ -109,7 +109,7 @@ pub(super) const ROWS: &[Row] = &[
             definition: "[Σ weight × penalty](limits.md)",
             origin: "µDOME",
             source: Source::Layout,
-            scale: Scale::Fixed,
+            growth: Growth::Fixed,
         }),
     },
 ];
