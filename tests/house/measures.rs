@@ -18,20 +18,21 @@ fn row(entry: &Entry) -> String {
     let or_none = |text: &str| if text.is_empty() { "–".to_owned() } else { text.to_owned() };
     let words = entry.words;
     let arrow = match entry.better {
-        Some(Sense::Max) => "▲ ",
-        Some(Sense::Min) => "▼ ",
+        Some(Sense::Max) => "▲",
+        Some(Sense::Min) => "▼",
         None => "",
     };
+    let more = format!("{arrow} {}", words.more_less[0]);
     let mut plain = words.plain.chars();
     let plain: String = plain.next().into_iter().flat_map(char::to_lowercase).chain(plain).collect();
     format!(
-        "| `{}` | {plain} | {} | {} | {arrow}{} | {} | {} |",
+        "| `{}` | {plain} | {} | {} | {} | {} | {} |",
         words.key,
         entry.definition,
-        or_none(words.unit),
-        or_none(words.more_less[0]),
+        or_none(words.bare_unit()),
+        or_none(more.trim()),
         entry.origin,
-        or_none(entry.source.cost().unwrap_or_default()),
+        or_none(entry.source.cost_in_short().unwrap_or_default()),
     )
 }
 

@@ -93,6 +93,17 @@ impl Source {
         matches!(self, Self::Graph | Self::Metric | Self::Angular | Self::Through)
     }
 
+    /// What it costs beyond the trees, in a word or two; `None` where that is nothing.
+    pub fn cost_in_short(self) -> Option<&'static str> {
+        match self {
+            Self::Forest | Self::Layout => None,
+            Self::Isovist => Some("a polygon a cell"),
+            Self::Graph => Some("the whole graph"),
+            Self::Metric | Self::Angular => Some("all ways"),
+            Self::Through => Some("every line"),
+        }
+    }
+
     /// Why a layout takes longer to measure, in plain words; `None` where it does not.
     pub fn cost(self) -> Option<&'static str> {
         match self {

@@ -24,6 +24,13 @@ pub struct Wording {
     pub more_less: [&'static str; 2],
 }
 
+impl Wording {
+    /// The unit without what its values are of: `m²` of `m² seen`.
+    pub fn bare_unit(&self) -> &'static str {
+        self.unit.trim_end_matches(" seen")
+    }
+}
+
 /// One measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
