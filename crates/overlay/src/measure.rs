@@ -84,8 +84,8 @@ const OWN: &[Wording] = &[
     },
 ];
 
-/// What nearly every page explains, and so explains first: the paper's means, the score and the penalties.
-const FIRST: [&str; 11] = [
+/// What pages explain first: what nearly every one of them has, then floor area.
+const FIRST: [&str; 19] = [
     "degree",
     "degree_all",
     "depth",
@@ -97,12 +97,24 @@ const FIRST: [&str; 11] = [
     "disconnection",
     "overlap",
     "passage_m",
+    "mean-depth",
+    "reach",
+    "isovist-area",
+    "isovist-perimeter",
+    "isovist-compactness",
+    "isovist-occlusivity",
+    "room_area_m2",
+    "connectivity",
 ];
+/// What they explain last.
+const LAST: [&str; 3] = ["integration", "mean_depth", "clustering"];
 
-/// Everything that has plain words, in the order in which pages explain it.
+/// Everything that has plain words, in the order in which pages explain it: between the first and the last in that of
+/// the table.
 pub fn wordings() -> impl Iterator<Item = &'static Wording> {
-    let rest = measures().chain(OWN).filter(|w| !FIRST.contains(&w.key));
-    FIRST.iter().filter_map(|key| wording(key)).chain(rest)
+    let named = |keys: &'static [&'static str]| keys.iter().filter_map(|key| wording(key));
+    let rest = measures().chain(OWN).filter(|w| !FIRST.contains(&w.key) && !LAST.contains(&w.key));
+    named(&FIRST).chain(rest).chain(named(&LAST))
 }
 
 fn measures() -> impl Iterator<Item = &'static Wording> {
@@ -350,7 +362,7 @@ mod tests {
     #[test]
     fn everything_is_explained_once() {
         let keys: Vec<&str> = wordings().map(|w| w.key).collect();
-        assert_eq!(keys[..FIRST.len()], FIRST);
+        assert_eq!((&keys[..FIRST.len()], &keys[keys.len() - LAST.len()..]), (&FIRST[..], &LAST[..]));
         assert_eq!(keys.len(), measures().count() + OWN.len());
         assert_eq!(keys.iter().collect::<std::collections::BTreeSet<_>>().len(), keys.len());
     }
