@@ -181,7 +181,7 @@ fn tidy(bound: f64) -> f64 {
 /// `visibility 42.1 m² (41.5 to 42.7)`.
 fn estimate_words(result: &AnalysisResult, key: &str, of: &Interval) -> String {
     let cell = if counts_cells(key) { result.spacing_m * result.spacing_m } else { 1.0 };
-    let unit = wording(parts(key).0).map_or("", |w| w.unit).trim_end_matches(" seen");
+    let unit = wording(parts(key).0).map_or("", |w| w.bare_unit());
     let [value, low, high] = numbers_apart([of.value, of.low, of.high].map(|v| v * cell));
     format!("{} {value} {unit} ({low} to {high})", plain_name(key).to_lowercase())
 }

@@ -112,7 +112,7 @@ fn run(problem: &dyn Problem, options: &Options, evaluations: u64, seed: u64) ->
         start: problem.start(),
         objectives: vec![Objective {
             name: "score".into(),
-            sense: Sense::Maximise,
+            sense: Sense::Max,
             threshold: 0.7,
             is_score: true,
             is_penalty: false,

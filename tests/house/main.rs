@@ -1,5 +1,6 @@
 //! Rules of the house, the documents, the samples.
 
 mod documents;
+mod measures;
 mod samples;
 mod tidy;

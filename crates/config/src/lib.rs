@@ -7,7 +7,6 @@ mod beside;
 mod choices;
 mod control;
 mod files;
-mod measure;
 mod named;
 mod pair;
 mod reading;
@@ -24,9 +23,9 @@ use serde::{Deserialize, Serialize};
 pub use beside::{Beside, Twin};
 pub use choices::{Allow, Colours, Thresholds, Unsure};
 pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
+pub use enfilade_brief::{Measure, Method, Mode, Source};
 use enfilade_report::{Error, Place, counted};
 pub use files::{is_settings, settings_files, unread_side_cars};
-pub use measure::{Measure, Source};
 pub use pair::{PAIR_NAME_BYTES, PairName};
 pub use reading::{ReadingTable, SelectorText, ViewText, for_folder};
 pub use version::{SETTINGS_VERSION, VERSION};
@@ -73,28 +72,6 @@ pub enum Backend {
     Cpu,
     /// The graphics card.
     Gpu,
-}
-
-/// A diverse set, or the one best layout.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Mode {
-    /// Several layouts, all good, really different.
-    #[default]
-    Diverse,
-    /// The single optimum.
-    Best,
-}
-
-/// How the search goes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Method {
-    /// Ours.
-    #[default]
-    Default,
-    /// Algorithms 1 and 2 as published.
-    Paper,
 }
 
 /// One objective with its threshold (spec 7).

@@ -8,6 +8,8 @@
 //! two of them over; on which side of a wall a viewer stands is decided exactly. A wall that a viewer sees
 //! edge-on hides nothing.
 
+use enfilade_brief::column::DRIFT_ANGLE;
+use enfilade_brief::{Measure, column_of};
 use rayon::prelude::*;
 
 use crate::geometry::{Segment, UM_PER_M};
@@ -45,14 +47,14 @@ type Point = [f64; 2];
 /// [`UNDEFINED`] for vertices that see nothing because an obstacle covers them.
 pub fn isovist_columns(lattice: &Lattice, obstacles: &Obstacles) -> Vec<Column> {
     let names = [
-        "Isovist Area",
-        "Isovist Compactness",
-        "Isovist Drift Angle",
-        "Isovist Drift Magnitude",
-        "Isovist Max Radial",
-        "Isovist Min Radial",
-        "Isovist Occlusivity",
-        "Isovist Perimeter",
+        column_of(Measure::IsovistArea),
+        column_of(Measure::IsovistCompactness),
+        DRIFT_ANGLE,
+        column_of(Measure::IsovistDrift),
+        column_of(Measure::IsovistMaxRadial),
+        column_of(Measure::IsovistMinRadial),
+        column_of(Measure::IsovistOcclusivity),
+        column_of(Measure::IsovistPerimeter),
     ];
     let all: Vec<u32> = (0..lattice.cells.len() as u32).collect();
     transpose(names.map(String::from), &isovists(lattice, obstacles, &all))

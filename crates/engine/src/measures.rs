@@ -1,5 +1,7 @@
 //! The measures (spec section 4), under depthmapX's column names and definitions.
 
+use enfilade_brief::column::VISUAL_ENTROPY;
+use enfilade_brief::{Measure, column_of};
 use rayon::prelude::*;
 
 use crate::geometry::UM_PER_M;
@@ -86,12 +88,12 @@ pub fn columns(lattice: &Lattice, graph: &Graph, radius: Option<u32>) -> Vec<Col
 
 /// Columns of the graph near a vertex.
 pub const LOCAL_NAMES: [&str; 6] = [
-    "Connectivity",
-    "Point First Moment",
-    "Point Second Moment",
-    "Visual Clustering Coefficient",
-    "Visual Control",
-    "Visual Controllability",
+    column_of(Measure::Connectivity),
+    column_of(Measure::FirstMoment),
+    column_of(Measure::SecondMoment),
+    column_of(Measure::Clustering),
+    column_of(Measure::Control),
+    column_of(Measure::Controllability),
 ];
 
 /// Connectivity, point moments (metres, square metres), clustering coefficient, control, controllability.
@@ -231,13 +233,13 @@ fn local_row(
 
 /// Columns of the breadth-first trees.
 pub const GLOBAL_NAMES: [&str; 7] = [
-    "Visual Entropy",
-    "Visual Integration [HH]",
-    "Visual Integration [P-value]",
-    "Visual Integration [Tekl]",
-    "Visual Mean Depth",
-    "Visual Node Count",
-    "Visual Relativised Entropy",
+    VISUAL_ENTROPY,
+    column_of(Measure::Integration),
+    column_of(Measure::IntegrationPValue),
+    column_of(Measure::IntegrationTekl),
+    column_of(Measure::MeanDepth),
+    column_of(Measure::Reach),
+    column_of(Measure::RelativisedEntropy),
 ];
 
 /// Measures of the breadth-first trees; with a radius only levels up to it count.

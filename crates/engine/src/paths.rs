@@ -5,6 +5,11 @@
 
 use std::collections::HashSet;
 
+use enfilade_brief::column::{
+    ANGULAR_NODE_COUNT, ANGULAR_STEP_DEPTH, METRIC_NODE_COUNT, METRIC_STEP_LENGTH, METRIC_STEP_TURN,
+    VISUAL_STEP_DEPTH,
+};
+use enfilade_brief::{Measure, column_of};
 use rayon::prelude::*;
 
 use crate::geometry::UM_PER_M;
@@ -82,10 +87,10 @@ impl<'a> Paths<'a> {
     /// `Metric Node Count`; means include the vertex itself. Paths longer than `radius_m` do not count.
     pub fn metric_columns(&self, radius_m: Option<f64>) -> Vec<Column> {
         let names = [
-            "Metric Mean Shortest-Path Turn",
-            "Metric Mean Shortest-Path Distance",
-            "Metric Mean Straight-Line Distance",
-            "Metric Node Count",
+            column_of(Measure::MetricAngle),
+            column_of(Measure::MetricDistance),
+            column_of(Measure::MetricStraight),
+            METRIC_NODE_COUNT,
         ];
         let limit = self.radius(radius_m);
         let corners = Corners::shortest(self);
@@ -109,7 +114,7 @@ impl<'a> Paths<'a> {
     /// `Angular Mean Depth`, `Angular Node Count`, `Angular Total Depth`. Paths of more than `radius`
     /// right angles do not count.
     pub fn angular_columns(&self, radius: Option<f64>) -> Vec<Column> {
-        let names = ["Angular Mean Depth", "Angular Node Count", "Angular Total Depth"];
+        let names = [column_of(Measure::AngularDepth), ANGULAR_NODE_COUNT, column_of(Measure::AngularTotal)];
         let limit = radius.unwrap_or(f64::INFINITY);
         let corners = Corners::straightest(self, STRAIGHTEST_MAX);
         let row = |walk: &mut Walk, v: usize| {
@@ -131,8 +136,7 @@ impl<'a> Paths<'a> {
             Column { name: name.to_string(), values }
         };
         let levels = self.levels(&ranks);
-        let mut columns =
-            vec![column("Visual Step Depth", &|v| levels[self.graph.tiles.rank_of[v] as usize])];
+        let mut columns = vec![column(VISUAL_STEP_DEPTH, &|v| levels[self.graph.tiles.rank_of[v] as usize])];
         let roots: Vec<u32> = from.iter().map(|&v| self.slot_of_vertex[v as usize]).collect();
         walk.metric(self, None, &roots, f64::INFINITY);
         let defined = |walk: &Walk, v: usize, value: &dyn Fn(u32, f64) -> f64| {
@@ -141,11 +145,11 @@ impl<'a> Paths<'a> {
             if cost.is_finite() { value(slot, cost) } else { UNDEFINED }
         };
         let turned = |slot: u32, _: f64| f64::from(walk.angle[slot as usize]);
-        columns.push(column("Metric Step Shortest-Path Turn", &|v| defined(&walk, v, &turned)));
+        columns.push(column(METRIC_STEP_TURN, &|v| defined(&walk, v, &turned)));
         let length = |_: u32, cost: f64| cost * self.spacing_m();
-        columns.push(column("Metric Step Shortest-Path Length", &|v| defined(&walk, v, &length)));
+        columns.push(column(METRIC_STEP_LENGTH, &|v| defined(&walk, v, &length)));
         walk.angular(self, None, &roots, f64::INFINITY);
-        columns.push(column("Angular Step Depth", &|v| defined(&walk, v, &|_, cost| cost)));
+        columns.push(column(ANGULAR_STEP_DEPTH, &|v| defined(&walk, v, &|_, cost| cost)));
         columns
     }
 

@@ -5,6 +5,8 @@
 
 use std::collections::BTreeMap;
 
+use enfilade_brief::column::MEAN_DEPTH_INTERVAL;
+use enfilade_brief::{Measure, column_of};
 use rayon::prelude::*;
 
 use super::forest::level_counts_by_rank;
@@ -17,9 +19,6 @@ use super::{Lattice, Tally};
 /// Fewest roots of an area with as many cells: of two, a root itself would know only one other.
 pub const AREA_ROOTS: usize = 3;
 
-/// The column beside the mean depth: half the width of its interval.
-const INTERVAL: &str = "Visual Mean Depth CI95";
-
 /// Columns estimated from some roots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampled {
@@ -31,7 +30,7 @@ pub struct Sampled {
 
 /// Whether a column of [`sampled_columns`] is an estimate: node counts are exact.
 pub fn is_estimated(column: &str) -> bool {
-    column == INTERVAL || (column != "Visual Node Count" && GLOBAL_NAMES.contains(&column))
+    column == MEAN_DEPTH_INTERVAL || (column != column_of(Measure::Reach) && GLOBAL_NAMES.contains(&column))
 }
 
 /// Roots among some vertices, ascending, area by area; `component` is the area of every vertex.
@@ -70,7 +69,7 @@ pub fn sampled_columns(graph: &Graph, roots: usize, seed: u64) -> Sampled {
         sampled_row(&levels, size[component[v] as usize])
     };
     let rows: Vec<[f64; 8]> = (0..graph.len()).into_par_iter().map(row).collect();
-    let names = GLOBAL_NAMES.into_iter().chain([INTERVAL]).map(String::from);
+    let names = GLOBAL_NAMES.into_iter().chain([MEAN_DEPTH_INTERVAL]).map(String::from);
     let column = |(k, name)| Column { name, values: rows.iter().map(|row: &[f64; 8]| row[k]).collect() };
     Sampled { columns: names.enumerate().map(column).collect(), roots: drawn.len() }
 }

@@ -1,5 +1,6 @@
 //! Through vision: how many sight lines pass over a cell.
 
+use enfilade_brief::{Measure, column_of};
 use rayon::prelude::*;
 
 use super::Lattice;
@@ -35,7 +36,10 @@ pub fn through_vision_column(lattice: &Lattice, graph: &Graph) -> Column {
         .into_par_iter()
         .map(|start| (start..(start + share).min(n)).fold(vec![0; n], one))
         .reduce(|| vec![0; n], add);
-    Column { name: "Sight Lines Through".into(), values: counts.into_iter().map(|c| c as f64).collect() }
+    Column {
+        name: column_of(Measure::ThroughVision).into(),
+        values: counts.into_iter().map(|c| c as f64).collect(),
+    }
 }
 
 fn vertex_at(lattice: &Lattice, graph: &Graph, cell: [i32; 2]) -> Option<usize> {

@@ -1,33 +1,11 @@
-//! The measures in plain words, and how numbers are written for people.
+//! What is measured in plain words, and how numbers are written for people.
 
-/// How a measure is named to an architect.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wording {
-    /// Name in result.json.
-    pub key: &'static str,
-    /// In plain words.
-    pub plain: &'static str,
-    /// The technical term.
-    pub technical: &'static str,
-    /// What one unit of it is.
-    pub unit: &'static str,
-    /// One sentence for the glossary.
-    pub meaning: &'static str,
-    /// What more of it means, and less, in two or three words; empty where nothing can be said.
-    pub more_less: [&'static str; 2],
-}
+use enfilade_brief::{Growth, Measure};
 
-/// Every measure that has plain words.
-pub const WORDINGS: &[Wording] = &[
-    Wording {
-        key: "degree",
-        plain: "Visibility",
-        technical: "degree",
-        unit: "m² seen",
-        meaning: "The floor of the region of reference that can be seen from a spot. High: open, overlooked, easy to find. \
-                  Low: secluded.",
-        more_less: ["more is seen", "less is seen"],
-    },
+pub use enfilade_brief::Wording;
+
+/// What results name beside the measures: the penalties, and means under names of their own.
+const OWN: &[Wording] = &[
     Wording {
         key: "degree_all",
         plain: "Visibility of all",
@@ -35,34 +13,6 @@ pub const WORDINGS: &[Wording] = &[
         unit: "m² seen",
         meaning: "How much of the whole plan that is measured can be seen from a spot, not of the region of \
                   reference alone.",
-        more_less: ["", ""],
-    },
-    Wording {
-        key: "depth",
-        plain: "Most steps",
-        technical: "tree depth",
-        unit: "steps",
-        meaning: "How many straight views one after the other it takes to reach the farthest corner \
-                  from a spot. Fewer steps: fewer turns, easier to reach.",
-        more_less: ["more turns", "fewer turns"],
-    },
-    Wording {
-        key: "entropy",
-        plain: "Evenness",
-        technical: "entropy",
-        unit: "bits",
-        meaning: "How evenly the space is spread over those steps. High: it opens up in even portions, \
-                  so that each decision on the way is alike. Low: almost everything lies at one \
-                  distance, with bottlenecks or too many choices at once.",
-        more_less: ["opens up more evenly", "less evenly spread"],
-    },
-    Wording {
-        key: "score",
-        plain: "Score",
-        technical: "weighted sum",
-        unit: "",
-        meaning: "The weighted sum of the relative gains over the present layout, less the penalties. \
-                  The present layout gains nothing over itself, so its score is that of its penalties.",
         more_less: ["", ""],
     },
     Wording {
@@ -117,206 +67,12 @@ pub const WORDINGS: &[Wording] = &[
         more_less: ["narrower passages", "fewer narrow passages"],
     },
     Wording {
-        key: "mean-depth",
-        plain: "Steps",
-        technical: "mean depth",
-        unit: "steps",
-        meaning: "How many straight views one after the other it takes from a spot to the others, on average: one more than \
-                  the turns on the way.",
-        more_less: ["more turns", "fewer turns"],
-    },
-    Wording {
-        key: "reach",
-        plain: "Reach",
-        technical: "node count",
-        unit: "m²",
-        meaning: "How much of the plan can be reached from a spot at all.",
-        more_less: ["more is reached", "less is reached"],
-    },
-    Wording {
-        key: "isovist-area",
-        plain: "Area seen",
-        technical: "isovist area",
-        unit: "m²",
-        meaning: "The area of the floor that can be seen from a spot.",
-        more_less: ["more is seen", "less is seen"],
-    },
-    Wording {
-        key: "isovist-perimeter",
-        plain: "Outline of the view",
-        technical: "isovist perimeter",
-        unit: "m",
-        meaning: "The length of the outline of what can be seen from a spot.",
-        more_less: ["longer outline", "shorter outline"],
-    },
-    Wording {
-        key: "isovist-compactness",
-        plain: "Roundness of the view",
-        technical: "isovist compactness",
-        unit: "",
-        meaning: "How close what can be seen from a spot comes to a circle: 1 is a circle, a long corridor is near 0.",
-        more_less: ["rounder views", "longer views"],
-    },
-    Wording {
-        key: "isovist-occlusivity",
-        plain: "Hidden edges",
-        technical: "isovist occlusivity",
-        unit: "m",
-        meaning: "The length of the edges behind which something is hidden: how much a view promises.",
-        more_less: ["more behind corners", "less behind corners"],
-    },
-    Wording {
         key: "room_area_m2",
         plain: "Room lost",
         technical: "room area",
         unit: "m²",
         meaning: "The floor that rooms have lost, doors and passages taken as closed, summed over all rooms; what others gain does not make up for it.",
         more_less: ["rooms lose floor", "rooms keep their floor"],
-    },
-    Wording {
-        key: "connectivity",
-        plain: "Visibility of everything",
-        technical: "connectivity",
-        unit: "m² seen",
-        meaning: "How much of everything that is measured can be seen from a spot.",
-        more_less: ["more is seen", "less is seen"],
-    },
-    Wording {
-        key: "integration-p-value",
-        plain: "Integration (P-value)",
-        technical: "integration by the P-value",
-        unit: "",
-        meaning: "Integration, made comparable between plans by another formula.",
-        more_less: ["better connected", "more remote"],
-    },
-    Wording {
-        key: "integration-tekl",
-        plain: "Integration (Tekl)",
-        technical: "integration by Teklenburg's formula",
-        unit: "",
-        meaning: "Integration, made comparable between plans by Teklenburg's formula.",
-        more_less: ["better connected", "more remote"],
-    },
-    Wording {
-        key: "relativised-entropy",
-        plain: "Unexpected spread",
-        technical: "relativised entropy",
-        unit: "bits",
-        meaning: "How far the spread of the space over the views differs from what the mean depth leads one to expect.",
-        more_less: ["less as expected", "more as expected"],
-    },
-    Wording {
-        key: "isovist-drift",
-        plain: "Drift of the view",
-        technical: "isovist drift magnitude",
-        unit: "m",
-        meaning: "How far the middle of what is seen lies from the spot: large at an edge that looks into the open.",
-        more_less: ["views drift more", "views drift less"],
-    },
-    Wording {
-        key: "isovist-max-radial",
-        plain: "Longest view",
-        technical: "isovist max radial",
-        unit: "m",
-        meaning: "How far one can see from a spot at most.",
-        more_less: ["farther views", "shorter views"],
-    },
-    Wording {
-        key: "isovist-min-radial",
-        plain: "Nearest wall",
-        technical: "isovist min radial",
-        unit: "m",
-        meaning: "How far the nearest wall is from a spot.",
-        more_less: ["more room around", "less room around"],
-    },
-    Wording {
-        key: "control",
-        plain: "Control",
-        technical: "control",
-        unit: "",
-        meaning: "Whether a spot sees places that see little themselves: high where one place watches over many secluded ones.",
-        more_less: ["watches over more", "watches over less"],
-    },
-    Wording {
-        key: "controllability",
-        plain: "Controllability",
-        technical: "controllability",
-        unit: "",
-        meaning: "What is seen from a spot as a share of all that is seen from there: low where one is easily watched from elsewhere.",
-        more_less: ["harder to watch", "easier to watch"],
-    },
-    Wording {
-        key: "first-moment",
-        plain: "Sum of distances seen",
-        technical: "point first moment",
-        unit: "m",
-        meaning: "The distances to all cells seen, added up: large where the view is wide and far.",
-        more_less: ["wider views", "narrower views"],
-    },
-    Wording {
-        key: "second-moment",
-        plain: "Sum of squared distances seen",
-        technical: "point second moment",
-        unit: "m²",
-        meaning: "The squares of the distances to all cells seen, added up: far views count most.",
-        more_less: ["farther views", "shorter views"],
-    },
-    Wording {
-        key: "metric-distance",
-        plain: "Walking distance",
-        technical: "metric mean shortest-path distance",
-        unit: "m",
-        meaning: "How far it is to walk to the other spots, on average.",
-        more_less: ["longer ways", "shorter ways"],
-    },
-    Wording {
-        key: "metric-angle",
-        plain: "Turning on the shortest ways",
-        technical: "metric mean shortest-path angle",
-        unit: "right angles",
-        meaning: "How much one turns on the shortest ways to the other spots, on average.",
-        more_less: ["more turning", "less turning"],
-    },
-    Wording {
-        key: "metric-straight",
-        plain: "Distance as the crow flies",
-        technical: "metric mean straight-line distance",
-        unit: "m",
-        meaning: "How far the other spots that can be reached are in a straight line, on average.",
-        more_less: ["farther apart", "nearer together"],
-    },
-    Wording {
-        key: "angular-depth",
-        plain: "Turning",
-        technical: "angular mean depth",
-        unit: "right angles",
-        meaning: "How much one has to turn to get to the other spots, on average, on the straightest ways.",
-        more_less: ["more turning", "less turning"],
-    },
-    Wording {
-        key: "angular-total",
-        plain: "Turning in all",
-        technical: "angular total depth",
-        unit: "right angles",
-        meaning: "How much one has to turn to get to every other spot, added up.",
-        more_less: ["more turning", "less turning"],
-    },
-    Wording {
-        key: "through-vision",
-        plain: "Views passing over",
-        technical: "through vision",
-        unit: "sight lines",
-        meaning: "How many lines of sight pass over a spot: high where people are in everybody's view.",
-        more_less: ["more views pass", "fewer views pass"],
-    },
-    Wording {
-        key: "integration",
-        plain: "Integration",
-        technical: "integration HH",
-        unit: "HH",
-        meaning: "How close a spot is to all others, counted in views and made comparable between plans \
-                  of different size.",
-        more_less: ["better connected", "more remote"],
     },
     Wording {
         key: "mean_depth",
@@ -326,20 +82,48 @@ pub const WORDINGS: &[Wording] = &[
         meaning: "The number of straight views it takes on average to reach the other spots.",
         more_less: ["more turns", "fewer turns"],
     },
-    Wording {
-        key: "clustering",
-        plain: "Enclosure",
-        technical: "clustering coefficient",
-        unit: "",
-        meaning: "The share of the spots seen from here that also see each other. High: a room of its \
-                  own. Low: a crossing where views part.",
-        more_less: ["more enclosed", "more open"],
-    },
 ];
+
+/// What pages explain first: what nearly every one of them has, then floor area.
+const FIRST: [&str; 19] = [
+    "degree",
+    "degree_all",
+    "depth",
+    "entropy",
+    "score",
+    "clearance_m2",
+    "wall_length_m",
+    "alignment",
+    "disconnection",
+    "overlap",
+    "passage_m",
+    "mean-depth",
+    "reach",
+    "isovist-area",
+    "isovist-perimeter",
+    "isovist-compactness",
+    "isovist-occlusivity",
+    "room_area_m2",
+    "connectivity",
+];
+/// What they explain last.
+const LAST: [&str; 3] = ["integration", "mean_depth", "clustering"];
+
+/// Everything that has plain words, in the order in which pages explain it: between the first and the last in that of
+/// the table.
+pub fn wordings() -> impl Iterator<Item = &'static Wording> {
+    let named = |keys: &'static [&'static str]| keys.iter().filter_map(|key| wording(key));
+    let rest = measures().chain(OWN).filter(|w| !FIRST.contains(&w.key) && !LAST.contains(&w.key));
+    named(&FIRST).chain(rest).chain(named(&LAST))
+}
+
+fn measures() -> impl Iterator<Item = &'static Wording> {
+    enfilade_brief::entries().map(|e| &e.words)
+}
 
 /// The wording of a measure, by its name in result.json.
 pub fn wording(key: &str) -> Option<&'static Wording> {
-    WORDINGS.iter().find(|w| w.key == key)
+    measures().chain(OWN).find(|w| w.key == key)
 }
 
 /// Whether a measure is told in sentences: it has words for more and less of it.
@@ -350,7 +134,8 @@ pub fn is_told(key: &str) -> bool {
 /// Whether a measure counts cells, which people are told as area.
 pub fn counts_cells(key: &str) -> bool {
     let key = key.strip_suffix(CHANGE).unwrap_or(key);
-    matches!(parts(key).0, "degree" | "degree_all" | "connectivity" | "reach")
+    let base = parts(key).0;
+    base == "degree_all" || Measure::by_name(base).is_some_and(|m| m.entry().growth == Growth::Cells)
 }
 
 /// What ends the key of a map of how a measure changes.
@@ -572,6 +357,14 @@ mod tests {
         assert_eq!(ticks(3.0, 3.0, 5), [3.0]);
         assert_eq!((nice_at_most(37.0), nice_at_least(37.0)), (20.0, 50.0));
         assert_eq!((nice_at_most(0.5), nice_at_least(0.5)), (0.5, 0.5));
+    }
+
+    #[test]
+    fn everything_is_explained_once() {
+        let keys: Vec<&str> = wordings().map(|w| w.key).collect();
+        assert_eq!((&keys[..FIRST.len()], &keys[keys.len() - LAST.len()..]), (&FIRST[..], &LAST[..]));
+        assert_eq!(keys.len(), measures().count() + OWN.len());
+        assert_eq!(keys.iter().collect::<std::collections::BTreeSet<_>>().len(), keys.len());
     }
 
     #[test]

@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+pub use enfilade_brief::Sense;
 use serde::de::{MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -347,16 +348,6 @@ pub struct Diversity {
     /// How alike they are to the people in them: the median correlation of their maps of change (what is seen, steps), −1 to 1.
     #[serde(default)]
     pub likeness: Option<f64>,
-}
-
-/// Whether more or less of an objective is wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Sense {
-    /// More is better.
-    Max,
-    /// Less is better.
-    Min,
 }
 
 /// One objective with its threshold.

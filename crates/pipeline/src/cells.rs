@@ -5,6 +5,7 @@ use std::fmt::Write;
 use glam::DVec2;
 
 use super::study::Study;
+use enfilade_brief::{Measure, column_of};
 use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M, segments_touch};
 use enfilade_engine::isovist::isovist_columns;
 use enfilade_engine::measures::{
@@ -71,7 +72,8 @@ const FAMILIES: [(&str, &str); 5] = [
 const VISUAL: &str = "visual";
 
 /// Columns that stand in every table.
-const ALWAYS: [&str; 3] = ["Degree", "Depth", "Entropy"];
+const ALWAYS: [&str; 3] =
+    [column_of(Measure::Degree), column_of(Measure::Depth), column_of(Measure::Entropy)];
 
 fn family_of(column: &str) -> &'static str {
     let name = column.to_lowercase();
@@ -226,9 +228,8 @@ fn chosen(all: Vec<Column>, measures: &[String]) -> Result<Vec<Column>, Error> {
         |m: &String| m.eq_ignore_ascii_case("all") || FAMILIES.iter().any(|f| m.eq_ignore_ascii_case(f.0));
     for m in measures.iter().filter(|m| !is_family(m)) {
         if !all.iter().any(|c| fits(&c.name, m)) {
-            let of_family: Vec<&str> = glossary::ENTRIES
-                .iter()
-                .map(|e| e.name)
+            let of_family: Vec<&str> = enfilade_brief::columns()
+                .map(|c| c.name)
                 .filter(|n| !n.contains("Step") && !ALWAYS.contains(n) && !n.ends_with("CI95"))
                 .filter(|n| family_of(m) == "graph" || family_of(n) == family_of(m))
                 .collect();
@@ -487,7 +488,7 @@ mod tests {
         names.extend(paths.step_columns(&[0]).into_iter().map(|c| c.name));
         let explained: BTreeSet<&str> =
             names.iter().map(|n| glossary::entry_of(n).unwrap_or_else(|| panic!("{n}")).name).collect();
-        assert_eq!(explained, glossary::ENTRIES.iter().map(|e| e.name).collect());
+        assert_eq!(explained, enfilade_brief::columns().map(|c| c.name).collect());
     }
 
     /// A step point starts on its own side of a wall, beside cells if it is in none.

@@ -482,7 +482,7 @@ pub struct ColumnLook {
 /// How a column of this name and with these values is shown; directions have a full turn of colours.
 pub fn column_look(name: &str, values: &[f64], settings: &Settings) -> ColumnLook {
     let unit = glossary::entry_of(name).map_or("", |e| e.unit);
-    if unit == glossary::DEGREES {
+    if unit == enfilade_brief::column::DEGREES {
         return ColumnLook { unit, scale: Scale { lo: 0.0, hi: 360.0 }, palette: Palette::Cyclic };
     }
     let known = values.iter().copied().filter(|v| *v != UNDEFINED);

@@ -23,7 +23,7 @@ use enfilade_plan::Plan;
 use enfilade_plan::axes::{Edge, OpeningKind};
 use enfilade_plan::by_place::Entities;
 use enfilade_plan::floor::{Area, Beside, Floor, name_of_rooms};
-use enfilade_plan::reading::Sense;
+use enfilade_plan::reading::RoleSense;
 use enfilade_plan::view_names::Title;
 
 /// Chords of a curved wall's axis turn by at most this, radians.
@@ -159,7 +159,7 @@ struct Tally {
 const LENGTH_MIN: f64 = 1e-9;
 
 impl Tally {
-    fn add(&mut self, sense: Sense, length: f64) {
+    fn add(&mut self, sense: RoleSense, length: f64) {
         let [sum, sure] = self.of_role.entry(sense.role.code()).or_default();
         let length = length.max(LENGTH_MIN);
         (*sum, *sure) = (*sum + length, *sure + length * f64::from(sense.confidence));
@@ -190,8 +190,8 @@ fn entities(plan: &Plan, drawing: &Drawing) -> Vec<EntityReading> {
     }
     for (k, fill) in drawing.fills.iter().enumerate() {
         let sense = match plan.picked.binary_search(&(ordinal + k)) {
-            Ok(_) => Sense { role: Role::Column, confidence: 0.9 },
-            Err(_) => Sense { role: Role::Hatch, confidence: 0.9 },
+            Ok(_) => RoleSense { role: Role::Column, confidence: 0.9 },
+            Err(_) => RoleSense { role: Role::Hatch, confidence: 0.9 },
         };
         let (tally, shows) = tallies.entry(fill.origin.record).or_default();
         tally.add(sense, length(fill));

@@ -388,7 +388,7 @@ fn shifted_words(row: &Row) -> Option<String> {
         let times = if counts_cells(key) { cell_m2 } else { 1.0 };
         let half = (of.high - of.low) / 2.0 * times;
         let digits = (-half.max(1e-6).log10()).ceil().clamp(0.0, 4.0) as usize + 1;
-        let unit = wording(parts(key).0).map_or("", |w| w.unit).trim_end_matches(" seen");
+        let unit = wording(parts(key).0).map_or("", |w| w.bare_unit());
         format!(
             "{} {} ± {} {unit}",
             plain_name(key).to_lowercase(),

@@ -33,7 +33,7 @@ use super::study::{Study, Use, Worth};
 use super::{Event, Input, Outcome, Progress};
 use super::{aims, fits, lattices, rules};
 use budget::Allowance;
-use enfilade_config::{Aim, Held, Method, Mode, Settings, Thresholds, Unsure};
+use enfilade_config::{Aim, Held, Method, Settings, Thresholds, Unsure};
 use enfilade_moves::Parameter;
 use enfilade_moves::control::{Control, LIKE_SHARE};
 use enfilade_overlay::result::{
@@ -232,16 +232,8 @@ fn optimise(
         least_share: if settings.thresholds == Thresholds::Yielding { YIELDING_LEAST_SHARE } else { 1.0 },
         seed: settings.seed,
         evaluations: budget::stated(study, settings),
-        method: if settings.method == Method::Paper {
-            enfilade_search::Method::Paper
-        } else {
-            enfilade_search::Method::Default
-        },
-        mode: if settings.mode == Mode::Best {
-            enfilade_search::Mode::Best
-        } else {
-            enfilade_search::Mode::Diverse
-        },
+        method: settings.method,
+        mode: settings.mode,
         batch: BATCH,
         pinned: pinned(settings),
         seeds,

@@ -14,7 +14,7 @@ use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_plan::Plan;
 use enfilade_plan::axes::{Opening, OpeningKind};
 use enfilade_plan::floor::{Floor, Gap};
-use enfilade_plan::reading::Sense;
+use enfilade_plan::reading::RoleSense;
 use enfilade_plan::reading::questions::{Doubt, Settled, questions};
 
 /// For every wall of a plan the index of the entity that draws it; filled areas come behind what is drawn.
@@ -28,13 +28,13 @@ pub(super) fn entities_of_walls(plan: &Plan, drawing: &Drawing) -> Vec<usize> {
 }
 
 /// What nothing names and is taken as a wall for its looks.
-const UNNAMED_WALL: Sense = Sense { role: Role::Wall, confidence: 0.6 };
+const UNNAMED_WALL: RoleSense = RoleSense { role: Role::Wall, confidence: 0.6 };
 
 /// The sense of an entity of a drawing; what draws a wall of the plan and is taken for nothing is a wall.
-pub(super) fn of_entity(plan: &Plan, entity: usize, is_picked: bool) -> Sense {
+pub(super) fn of_entity(plan: &Plan, entity: usize, is_picked: bool) -> RoleSense {
     match plan.reading.senses.get(entity) {
         Some(sense) if sense.role != Role::Unknown || !is_picked => *sense,
-        None if !is_picked => Sense { role: Role::Unknown, confidence: 0.5 },
+        None if !is_picked => RoleSense { role: Role::Unknown, confidence: 0.5 },
         _ => UNNAMED_WALL,
     }
 }
@@ -91,7 +91,7 @@ impl Sensed {
             pieces.map(|(_, _, s)| ((s.b[0] - s.a[0]) as f64).hypot((s.b[1] - s.a[1]) as f64)).sum()
         };
         let walls = base.entities.iter().enumerate().map(|(w, i)| (of_entity(plan, *i, true), length(w)));
-        let walls: Vec<(Sense, f64)> = walls.collect();
+        let walls: Vec<(RoleSense, f64)> = walls.collect();
         let settled = Settled {
             unit: settings.unit.is_some(),
             view: settings.view.is_some(),

@@ -155,7 +155,7 @@ pub struct Plan {
     /// What every entity was taken for, and how sure that is.
     pub reading: reading::Reading,
     /// The same of what is not ours, for [`PlanOptions::senses`].
-    pub senses: Vec<reading::Sense>,
+    pub senses: Vec<reading::RoleSense>,
     /// Where north is: degrees anticlockwise from up.
     pub north_deg: f64,
 }
@@ -178,7 +178,7 @@ pub struct PlanOptions {
     /// The walls by [`Plan::picked`] of an earlier reading; nothing is chosen then.
     pub picked: Option<Vec<usize>>,
     /// What everything was taken for in an earlier reading ([`reading::Reading::kept`]).
-    pub senses: Option<Vec<reading::Sense>>,
+    pub senses: Option<Vec<reading::RoleSense>>,
     /// What the user says of entities and of the floor.
     pub corrections: Corrections,
 }

@@ -1,7 +1,7 @@
 //! Everything evaluated so far, and the thresholds that follow from it.
 
 use super::space::square_distance;
-use super::{Evaluation, Objective, Point, Sense};
+use super::{Evaluation, Objective, Point};
 
 /// All evaluated points in the order they were told.
 ///
@@ -74,16 +74,6 @@ impl Archive {
 
     pub(super) fn distance(&self, i: usize, j: usize) -> f64 {
         square_distance(self.unit(i), self.unit(j)).sqrt()
-    }
-}
-
-impl Sense {
-    /// The value turned so that more is better (its own inverse).
-    pub(super) fn gain(self, value: f64) -> f64 {
-        match self {
-            Sense::Maximise => value,
-            Sense::Minimise => -value,
-        }
     }
 }
 

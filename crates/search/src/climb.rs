@@ -588,13 +588,7 @@ mod tests {
     const DIMS: usize = 6;
 
     fn objective() -> Objective {
-        Objective {
-            name: "f".into(),
-            sense: Sense::Maximise,
-            threshold: 0.7,
-            is_score: true,
-            is_penalty: false,
-        }
+        Objective { name: "f".into(), sense: Sense::Max, threshold: 0.7, is_score: true, is_penalty: false }
     }
 
     /// A hill in the middle, measured at random places, at its top and somewhat aside of it.

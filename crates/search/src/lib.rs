@@ -25,20 +25,12 @@ use std::fmt;
 
 use archive::{Archive, Limits};
 pub use cma::{Cma, CmaStop, Domain};
+pub use enfilade_brief::{Method, Mode, Sense};
 use enfilade_report::{Error, Place};
 use method::Engine;
 use space::Space;
 pub use space::normalised_distance;
 pub use tuning::Tuning;
-
-/// Whether more or less of an objective is better.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sense {
-    /// More is better.
-    Maximise,
-    /// Less is better.
-    Minimise,
-}
 
 /// One objective of the hierarchy (spec section 7).
 #[derive(Clone, Debug, PartialEq)]
@@ -53,26 +45,6 @@ pub struct Objective {
     pub is_score: bool,
     /// Whether this is the sum of penalties.
     pub is_penalty: bool,
-}
-
-/// How to search.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// What reaches most: a surrogate-led climb, then feasible spreading.
-    #[default]
-    Default,
-    /// Algorithms 1 and 2 as published, for comparison.
-    Paper,
-}
-
-/// What is wanted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
-    /// A set of good points far from each other.
-    #[default]
-    Diverse,
-    /// The single best point.
-    Best,
 }
 
 /// Everything that decides a search.

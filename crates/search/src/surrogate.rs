@@ -353,7 +353,7 @@ mod tests {
     fn archive(count: usize, dims: usize, f: impl Fn(&[f64]) -> f64) -> Archive {
         let objective = Objective {
             name: "f".into(),
-            sense: Sense::Maximise,
+            sense: Sense::Max,
             threshold: 0.7,
             is_score: true,
             is_penalty: false,
@@ -395,7 +395,7 @@ mod tests {
         for i in 0..all.len() {
             let objective = [Objective {
                 name: "f".into(),
-                sense: Sense::Maximise,
+                sense: Sense::Max,
                 threshold: 0.7,
                 is_score: true,
                 is_penalty: false,

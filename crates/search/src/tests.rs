@@ -12,7 +12,7 @@ fn study(dims: usize, evaluations: u64) -> Study {
     Study {
         bounds: vec![[-2.0, 3.0]; dims],
         start: vec![0.0; dims],
-        objectives: vec![objective("score", Sense::Maximise, true)],
+        objectives: vec![objective("score", Sense::Max, true)],
         members: 5,
         d_min: 0.25,
         least_share: 1.0,
@@ -223,8 +223,7 @@ fn objectives_keep_their_order_and_thresholds() {
         violation: 0.0,
         at: None,
     };
-    let objectives =
-        vec![objective("penalty", Sense::Minimise, false), objective("degree", Sense::Maximise, false)];
+    let objectives = vec![objective("penalty", Sense::Min, false), objective("degree", Sense::Max, false)];
     let study = Study { objectives, ..study(4, 500) };
     let (search, _) = run(study.clone(), two);
     assert_sound(&search, &study);
@@ -245,8 +244,7 @@ fn torn(p: &[f64]) -> Evaluation {
 
 #[test]
 fn thresholds_yield_where_members_would_be_alike_and_nowhere_else() {
-    let objectives =
-        vec![objective("degree", Sense::Maximise, false), objective("depth", Sense::Maximise, false)];
+    let objectives = vec![objective("degree", Sense::Max, false), objective("depth", Sense::Max, false)];
     let torn_study = Study { objectives, ..study(4, 600) };
     let at = |least_share: f64, d_min: f64| {
         let study = Study { least_share, d_min, ..torn_study.clone() };
@@ -309,8 +307,7 @@ fn an_objective_at_its_best_already_leaves_room() {
         violation: 0.0,
         at: None,
     };
-    let objectives =
-        vec![objective("penalty", Sense::Minimise, false), objective("degree", Sense::Maximise, false)];
+    let objectives = vec![objective("penalty", Sense::Min, false), objective("degree", Sense::Max, false)];
     // Near each other in the little room there is: what is alike is another matter.
     let study = Study { objectives, d_min: 0.0, ..study(4, 400) };
     let (search, _) = run(study.clone(), lengths);
@@ -383,10 +380,10 @@ proptest! {
         evaluations in 1u64..90,
         cut in -1.0f64..3.0,
         is_score in any::<bool>(),
-        sense in prop_oneof![Just(Sense::Maximise), Just(Sense::Minimise)],
+        sense in prop_oneof![Just(Sense::Max), Just(Sense::Min)],
         method in prop_oneof![Just(Method::Default), Just(Method::Paper)],
     ) {
-        let objectives = vec![objective("a", sense, is_score), objective("b", Sense::Maximise, false)];
+        let objectives = vec![objective("a", sense, is_score), objective("b", Sense::Max, false)];
         let study = Study { seed, members, batch, objectives, method, ..study(dims, evaluations) };
         let f = |p: &[f64]| Evaluation {
             values: vec![p.iter().map(|x| x.sin()).sum(), p[0] * p[p.len() - 1]],

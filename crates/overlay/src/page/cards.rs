@@ -181,7 +181,7 @@ fn measures(html: &mut Html, input: &Fitted<'_>, layout: Option<(&Numbers, &Gain
         let Some(now) = layout.map_or(Some(from), |(mean, _)| mean.get(key)) else { continue };
         html.raw("<div>").element("dt", &[], &plain_name(key)).raw("<dd>");
         html.text(&number(result.told(key, now)));
-        let unit = wording(parts(key).0).map_or("", |w| w.unit).trim_end_matches(" seen");
+        let unit = wording(parts(key).0).map_or("", |w| w.bare_unit());
         html.text(if unit.is_empty() { "" } else { "\u{a0}" }).text(unit);
         if let Some((_, gains)) = layout {
             html.raw(" ");

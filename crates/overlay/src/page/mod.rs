@@ -7,13 +7,14 @@ mod tables;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use enfilade_brief::Measure;
 use sha2::{Digest, Sha256};
 
 pub use overview::{RoundCard, overview_html};
 
 use super::canvas::shrink_png;
 use super::html::Html;
-use super::measure::{WORDINGS, fixed, number, plain_name, sentence_case, short};
+use super::measure::{fixed, number, plain_name, sentence_case, short, wordings};
 use super::result::{Candidate, RoundResult, Sense};
 use enfilade_cad::drawing::Format;
 
@@ -298,11 +299,8 @@ fn weight(result: &RoundResult, key: &str) -> Option<f64> {
 /// Whether more of a measure is wanted as a rule.
 fn usual_sense(key: &str) -> Option<Sense> {
     match key {
-        "degree" | "entropy" | "score" | "integration" => Some(Sense::Max),
-        "depth" | "mean_depth" | "disconnection" | "overlap" | "clearance_m2" | "alignment" => {
-            Some(Sense::Min)
-        }
-        _ => None,
+        "mean_depth" | "disconnection" | "overlap" | "clearance_m2" | "alignment" => Some(Sense::Min),
+        _ => Measure::by_name(key)?.entry().better,
     }
 }
 
@@ -347,12 +345,12 @@ fn glossary(html: &mut Html, input: &ReportInput<'_>) {
     let penalty = result.initial.penalty.0.iter().map(|(name, _)| name.as_str());
     let used: Vec<&str> = mean.chain(penalty).chain(input.present.iter().map(|v| v.measure)).collect();
     html.raw("<section>\n<h2>What the words mean</h2>\n<dl class=\"glossary\">\n");
-    for w in WORDINGS.iter().filter(|w| used.contains(&w.key)) {
+    for w in wordings().filter(|w| used.contains(&w.key)) {
         html.raw("<div><dt>").text(w.plain).raw(" <small>").text(w.technical).raw("</small></dt>");
         html.element("dd", &[], w.meaning).raw("</div>\n");
     }
     html.raw("</dl>\n");
-    super::glossary::columns(html);
+    super::glossary::explained(html);
     html.raw("</section>\n");
 }
 

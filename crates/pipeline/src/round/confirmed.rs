@@ -11,7 +11,7 @@ use crate::explain::relative_gain;
 use crate::lattices;
 use crate::study::{LatticeAt, Study, Use, Worth};
 use enfilade_config::{Aim, Measure, Settings};
-use enfilade_overlay::result::{Gain, Gains, Interval, Sense as ShownSense};
+use enfilade_overlay::result::{Gain, Gains, Interval};
 use enfilade_search::Sense;
 
 /// Lattices of either spacing with which somebody else would measure again.
@@ -25,8 +25,7 @@ const REACH: f64 = 1.0;
 /// The measures whose gains are told, with whether more is better: what is asked for, then what everybody asks.
 fn measures(objectives: &Aims) -> Vec<(Aim, bool)> {
     let mut out: Vec<(Aim, bool)> = Vec::new();
-    let asked =
-        objectives.iter().filter(|(_, o)| !o.is_penalty).map(|(a, o)| (*a, o.sense == Sense::Maximise));
+    let asked = objectives.iter().filter(|(_, o)| !o.is_penalty).map(|(a, o)| (*a, o.sense == Sense::Max));
     let usual = [(Aim::mean(Measure::Degree), true), (Aim::mean(Measure::Entropy), true)];
     for (aim, is_more_better) in asked.chain(usual) {
         if out.iter().all(|(known, _)| *known != aim) {
@@ -89,7 +88,7 @@ fn on_one(
 
 fn gain(coarse: &Sampled, fine: &Sampled, is_more_better: bool) -> Gain {
     let Interval { value: share, low, high } = interval(coarse, fine, REACH, AGAIN);
-    Gain { share, low, high, sense: if is_more_better { ShownSense::Max } else { ShownSense::Min } }
+    Gain { share, low, high, sense: if is_more_better { Sense::Max } else { Sense::Min } }
 }
 
 /// Least sure gain of a best layout that is shown, a share: messages give gains in tenths of a per cent.
@@ -128,14 +127,11 @@ mod tests {
                 let (is_score, is_penalty) = (false, false);
                 (Aim::mean(measure), Objective { name: name.into(), sense, threshold, is_score, is_penalty })
             };
-            vec![
-                of(Measure::Degree, "degree", Sense::Maximise),
-                of(Measure::MeanDepth, "mean-depth", Sense::Minimise),
-            ]
+            vec![of(Measure::Degree, "degree", Sense::Max), of(Measure::MeanDepth, "mean-depth", Sense::Min)]
         };
         let of = |degree: [f64; 2], depth: [f64; 2]| -> Gains {
             let gain =
-                |[low, high]: [f64; 2]| Gain { share: (low + high) / 2.0, low, high, sense: ShownSense::Max };
+                |[low, high]: [f64; 2]| Gain { share: (low + high) / 2.0, low, high, sense: Sense::Max };
             [("degree".into(), gain(degree)), ("mean-depth".into(), gain(depth))].into()
         };
         let firm = |gains: &Gains| is_confirmed(&aims(0.7), gains, 0.01);

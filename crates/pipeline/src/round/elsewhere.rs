@@ -5,7 +5,7 @@ use super::found::shown;
 use super::refined::without_each;
 use super::{BATCH, Brief, is_bare, measured};
 use crate::explain::total_gain;
-use enfilade_config::Mode;
+use enfilade_config::{Method, Mode};
 use enfilade_report::{Cancel, Error};
 use enfilade_search::{Evaluation, Point, Search};
 
@@ -79,8 +79,8 @@ fn search_without(
         least_share: 1.0,
         seed: settings.seed,
         evaluations: Some(evaluations),
-        method: enfilade_search::Method::Default,
-        mode: enfilade_search::Mode::Best,
+        method: Method::Default,
+        mode: Mode::Best,
         batch: BATCH,
         seeds: vec![from],
         pinned: 0,

@@ -10,7 +10,7 @@ use super::{Aims, Brief, PENALTY_FREE, confirmed, is_bare, told};
 use enfilade_config::{Method, Mode, Settings};
 use enfilade_overlay::Series;
 use enfilade_overlay::measure::plain_name;
-use enfilade_overlay::result::{self, Explanation, Gains, Objective, Sense as ShownSense};
+use enfilade_overlay::result::{self, Explanation, Gains, Objective, Sense};
 use enfilade_search::Search;
 
 /// What a search found, in our terms.
@@ -154,7 +154,7 @@ pub(super) fn shown(brief: &Brief<'_>, outcome: &enfilade_search::Outcome<'_>) -
     let initial = evaluation(trial, settings, objectives, &trial.initial);
     let one = |(i, (_, o)): (usize, &(_, enfilade_search::Objective))| Objective {
         name: o.name.clone(),
-        sense: if o.sense == enfilade_search::Sense::Maximise { ShownSense::Max } else { ShownSense::Min },
+        sense: o.sense,
         threshold: o.threshold * outcome.threshold_share,
         initial: initial.values[i],
         best: best_of(outcome, i, o.sense),
@@ -173,7 +173,7 @@ fn lower(shown: &mut [Objective], members: &mut [enfilade_search::Member]) -> f6
     for (j, o) in shown.iter_mut().enumerate().filter(|(_, o)| o.name != "penalty") {
         let Some(limit) = o.limit else { continue };
         let values = members.iter().map(|m| m.values[j]);
-        let is_more_better = o.sense == ShownSense::Max;
+        let is_more_better = o.sense == Sense::Max;
         let kept = values.fold(limit, |a, v| if is_more_better { a.min(v) } else { a.max(v) });
         if kept != limit && limit != o.initial {
             left = left.min(((kept - o.initial) / (limit - o.initial)).clamp(0.0, 1.0));
@@ -225,7 +225,7 @@ fn best_in_all<'a>(
     let keeps = |p: &enfilade_search::Point| {
         let sides = objectives.iter().zip(&p.values).zip(&outcome.thresholds);
         p.violation == 0.0
-            && sides.into_iter().all(|((o, v), t)| if o.sense == ShownSense::Max { v >= t } else { v <= t })
+            && sides.into_iter().all(|((o, v), t)| if o.sense == Sense::Max { v >= t } else { v <= t })
     };
     let gain = |p: &enfilade_search::Point| explain::total_gain(objectives, &p.values);
     let kept = outcome.archive.iter().filter(|p| keeps(p));
@@ -299,13 +299,9 @@ fn explanations(
 }
 
 /// Best value of one objective among all layouts that keep the hard limits, if any does.
-fn best_of(
-    outcome: &enfilade_search::Outcome<'_>,
-    objective: usize,
-    sense: enfilade_search::Sense,
-) -> Option<f64> {
+fn best_of(outcome: &enfilade_search::Outcome<'_>, objective: usize, sense: Sense) -> Option<f64> {
     let values = outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values[objective]);
-    let better = |a: f64, b: f64| if sense == enfilade_search::Sense::Maximise { a.max(b) } else { a.min(b) };
+    let better = |a: f64, b: f64| if sense == Sense::Max { a.max(b) } else { a.min(b) };
     values.reduce(better)
 }
 
@@ -329,16 +325,11 @@ fn series(outcome: &enfilade_search::Outcome<'_>, objectives: &Aims) -> Vec<Seri
 }
 
 /// Where the best value of an objective rose, and to what.
-fn course(
-    outcome: &enfilade_search::Outcome<'_>,
-    objective: usize,
-    sense: enfilade_search::Sense,
-) -> Vec<(u64, f64)> {
+fn course(outcome: &enfilade_search::Outcome<'_>, objective: usize, sense: Sense) -> Vec<(u64, f64)> {
     let mut points: Vec<(u64, f64)> = vec![];
     for (i, p) in outcome.archive.iter().enumerate().filter(|(_, p)| p.violation == 0.0) {
         let value = p.values[objective];
-        let is_better =
-            |best: f64| if sense == enfilade_search::Sense::Maximise { value > best } else { value < best };
+        let is_better = |best: f64| if sense == Sense::Max { value > best } else { value < best };
         if value.is_finite() && points.last().is_none_or(|(_, best)| is_better(*best)) {
             points.push((i as u64 + 1, value));
         }

@@ -18,7 +18,7 @@ pub(super) fn objectives(settings: &Settings) -> Vec<(Aim, enfilade_search::Obje
     let objective = |aim: Aim, is_max: bool, threshold: f64| {
         let o = enfilade_search::Objective {
             name: aim.to_string(),
-            sense: if is_max { enfilade_search::Sense::Maximise } else { enfilade_search::Sense::Minimise },
+            sense: if is_max { Sense::Max } else { Sense::Min },
             threshold,
             is_score: aim.measure == Measure::Score,
             is_penalty: aim.measure == Measure::Penalty,
@@ -63,8 +63,7 @@ pub(super) fn gained(study: &Study, settings: &Settings, objectives: &Aims, wort
     let of = |worth: &Worth| evaluation(study, settings, objectives, worth).values;
     let all = objectives.iter().zip(of(worth).into_iter().zip(of(&study.initial)));
     let aims = all.filter(|((_, o), _)| !o.is_penalty);
-    aims.map(|((_, o), (now, present))| explain::relative_gain(o.sense == Sense::Maximise, now, present))
-        .sum()
+    aims.map(|((_, o), (now, present))| explain::relative_gain(o.sense == Sense::Max, now, present)).sum()
 }
 
 /// The pairs of regions of objectives, of the score where it is one, and of limits, of which nothing is seen any more, though it is at present; the unnamed one is
@@ -116,7 +115,7 @@ fn loss(
         return 0.0;
     }
     let gain = |(aim, o): &&(Aim, enfilade_search::Objective)| {
-        let is_more_better = o.sense == enfilade_search::Sense::Maximise;
+        let is_more_better = o.sense == Sense::Max;
         explain::relative_gain(is_more_better, study.value(worth, *aim), study.value(&study.initial, *aim))
     };
     let gained: f64 = aims.iter().map(gain).sum();

@@ -7,7 +7,7 @@ use crate::explain::total_gain;
 use enfilade_moves::Parameter;
 use enfilade_overlay::result::Objective;
 use enfilade_plan::markers::Kind;
-use enfilade_search::Member;
+use enfilade_search::{Member, Sense};
 
 /// Lengths to which moves are rounded, metres: the coarse ones where they cost little, else the finest …
 const LENGTHS_M: [f64; 3] = [0.1, 0.05, 0.01];
@@ -151,8 +151,8 @@ impl Stripper<'_> {
     fn keeps_of(&self, values: &[f64], is_asked: impl Fn(&Objective) -> bool) -> bool {
         let sides = self.shown.iter().zip(values).zip(self.thresholds);
         sides.into_iter().filter(|((o, _), _)| is_asked(o)).all(|((o, v), limit)| match o.sense {
-            enfilade_overlay::result::Sense::Max => v >= limit,
-            enfilade_overlay::result::Sense::Min => v <= limit,
+            Sense::Max => v >= limit,
+            Sense::Min => v <= limit,
         })
     }
 }

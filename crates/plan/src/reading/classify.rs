@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::Sense;
+use super::RoleSense;
 use super::features::Features;
 use super::scene::{Scene, Thing};
 use super::trees::{CLASSES, TOGETHER, Votes, model};
@@ -15,7 +15,7 @@ use enfilade_cad::roles::{Role, is_of_windows_too, role_by_name};
 
 /// What each entity is taken for, if `metres` are those of a drawing unit; `None` for an entity that is not looked at:
 /// hidden, or of no length.
-pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
+pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<RoleSense>> {
     let mut out = vec![None; drawing.entities.len()];
     let Some((scene, model)) = Scene::new(drawing, metres).zip(model()) else { return out };
     let features = Features::new(&scene);
@@ -62,7 +62,7 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
                 && (kind == Kind::Sketch || votes[WALL] < WALL_BESIDE_NAMED);
             if is_doubtful {
                 let confidence = (1.0 - votes[WALL]) as f32;
-                out[thing.entity as usize] = Some(Sense { role: Role::Unknown, confidence });
+                out[thing.entity as usize] = Some(RoleSense { role: Role::Unknown, confidence });
             }
         }
     }
@@ -78,7 +78,7 @@ const FLIGHT_SURE: f32 = 0.99;
 const TREADS_SHARE: f64 = 0.5;
 
 /// Stairs are known by the row that their treads stand in, whatever layer they lie on: nobody builds walls in such rows.
-fn with_flights(scene: &Scene, senses: &mut [Option<Sense>]) {
+fn with_flights(scene: &Scene, senses: &mut [Option<RoleSense>]) {
     let may_be = |thing: &Thing| {
         let role = senses[thing.entity as usize].map(|s| s.role);
         matches!(role, Some(Role::Wall | Role::LowWall | Role::Stair | Role::Furniture | Role::Unknown))
@@ -93,7 +93,7 @@ fn with_flights(scene: &Scene, senses: &mut [Option<Sense>]) {
     stairs::find(&lines).into_iter().for_each(|l| found[lines[l].entity] += lines[l].length());
     for (thing, found) in scene.things.iter().zip(found) {
         if found > TREADS_SHARE * thing.length {
-            senses[thing.entity as usize] = Some(Sense { role: Role::Stair, confidence: FLIGHT_SURE });
+            senses[thing.entity as usize] = Some(RoleSense { role: Role::Stair, confidence: FLIGHT_SURE });
         }
     }
 }
@@ -104,7 +104,7 @@ fn without_dashed<'d>(
     scene: &Scene,
     drawing: &'d Drawing,
     named: &mut Names<'d>,
-    senses: &mut [Option<Sense>],
+    senses: &mut [Option<RoleSense>],
 ) {
     let walls =
         scene.things.iter().filter(|t| senses[t.entity as usize].is_some_and(|s| s.role == Role::Wall));
@@ -115,7 +115,7 @@ fn without_dashed<'d>(
     let length = |of: &[&Thing]| of.iter().map(|t| t.length).sum::<f64>();
     if length(&dashed) < length(&drawn) {
         for thing in dashed {
-            senses[thing.entity as usize] = Some(Sense { role: Role::Unknown, confidence: 0.5 });
+            senses[thing.entity as usize] = Some(RoleSense { role: Role::Unknown, confidence: 0.5 });
         }
     }
 }
@@ -206,7 +206,7 @@ fn likeliest(votes: &Votes) -> usize {
 
 /// What the name says, unless the votes speak strongly against it, in a drawing of a kind that the trees know; without a
 /// name what most votes say.
-fn sense(votes: &Votes, name: Name, kind: Kind) -> Sense {
+fn sense(votes: &Votes, name: Name, kind: Kind) -> RoleSense {
     let best = likeliest(votes);
     if let Some(own) = votes.get(class_of(name.role)) {
         let own = if name.is_both { own + votes[WINDOW] } else { *own };
@@ -217,7 +217,7 @@ fn sense(votes: &Votes, name: Name, kind: Kind) -> Sense {
         if !(kind == Kind::Plan && is_other) {
             let is_window = name.is_both && votes[WINDOW] > votes[DOOR];
             let role = if is_window { Role::Window } else { name.role };
-            return Sense { role, confidence: own.max(1.0 - votes[best]) as f32 };
+            return RoleSense { role, confidence: own.max(1.0 - votes[best]) as f32 };
         }
     }
     let role = match best {
@@ -230,5 +230,5 @@ fn sense(votes: &Votes, name: Name, kind: Kind) -> Sense {
         5 => Role::Text,
         _ => Role::Unknown,
     };
-    Sense { role, confidence: votes[best] as f32 }
+    RoleSense { role, confidence: votes[best] as f32 }
 }

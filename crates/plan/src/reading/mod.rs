@@ -23,7 +23,7 @@ use enfilade_cad::roles::{Role, role_by_name};
 
 /// What an entity is taken for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sense {
+pub struct RoleSense {
     /// Its role.
     pub role: Role,
     /// How sure that is, 0 to 1: of the entities with a confidence of 0.9 about 90 % are what they are taken for.
@@ -48,7 +48,7 @@ pub struct Reading {
     /// The unit's confidence; the unit itself is [`super::Plan::unit`].
     pub unit: UnitSense,
     /// Of every entity of the drawing, in its order.
-    pub senses: Vec<Sense>,
+    pub senses: Vec<RoleSense>,
     /// Roles that the user states, by the index of the entity.
     pub said: Said,
     /// Walls, by their index in [`super::Plan::walls`], that the user calls so.
@@ -72,10 +72,10 @@ impl Reading {
         Self::of_classes(drawing, vec![None; drawing.entities.len()])
     }
 
-    fn of_classes(drawing: &Drawing, classes: Vec<Option<Sense>>) -> Self {
+    fn of_classes(drawing: &Drawing, classes: Vec<Option<RoleSense>>) -> Self {
         let by_name = |layer: &str| {
             let role = role_by_name(layer).0;
-            Sense { role, confidence: if role == Role::Unknown { 0.5 } else { 1.0 } }
+            RoleSense { role, confidence: if role == Role::Unknown { 0.5 } else { 1.0 } }
         };
         let entities = drawing.entities.iter().zip(classes);
         let senses = entities.map(|(e, class)| class.unwrap_or_else(|| by_name(&e.layer))).collect();
@@ -87,7 +87,7 @@ impl Reading {
     pub fn corrected(mut self, said: Said, walls: &[usize]) -> Self {
         for (i, role) in &said {
             if let Some(sense) = self.senses.get_mut(*i) {
-                *sense = Sense { role: *role, confidence: 1.0 };
+                *sense = RoleSense { role: *role, confidence: 1.0 };
             }
         }
         let is_firm = |(_, i): &(usize, &usize)| said.get(*i) == Some(&Role::Wall);
@@ -102,16 +102,16 @@ impl Reading {
     }
 
     /// The senses of what is not ours, in the order of [`super::Plan::picked`]: with them a changed copy is read alike.
-    pub fn kept(&self, drawing: &Drawing) -> Vec<Sense> {
+    pub fn kept(&self, drawing: &Drawing) -> Vec<RoleSense> {
         let foreign =
             drawing.entities.iter().zip(&self.senses).filter(|(e, _)| !own_layers::is_own(&e.layer));
         foreign.map(|(_, s)| *s).collect()
     }
 
     /// The reading of a changed copy of a drawing, from what was [`kept`](Self::kept) of it.
-    pub fn again(drawing: &Drawing, kept: &[Sense]) -> Self {
+    pub fn again(drawing: &Drawing, kept: &[RoleSense]) -> Self {
         let mut next = kept.iter().copied();
-        let other = Sense { role: Role::Unknown, confidence: 1.0 };
+        let other = RoleSense { role: Role::Unknown, confidence: 1.0 };
         let of = |layer: &str| if own_layers::is_own(layer) { other } else { next.next().unwrap_or(other) };
         let senses = drawing.entities.iter().map(|e| e.layer.as_str()).map(of).collect();
         Self { senses, ..Self::default() }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::Sense;
+use super::RoleSense;
 use crate::Plan;
 use crate::axes::{AxisGraph, OpeningKind};
 use crate::floor::Floor;
@@ -133,7 +133,7 @@ pub struct Settled {
 pub fn questions(
     plan: &Plan,
     axes: &AxisGraph,
-    walls: &[(Sense, f64)],
+    walls: &[(RoleSense, f64)],
     floor: Option<&Floor>,
     settled: Settled,
 ) -> Vec<Doubt> {
@@ -203,7 +203,7 @@ fn view(plan: &Plan) -> Option<Doubt> {
 }
 
 /// The layer with most length in doubt, where the walls are unsure on the whole.
-fn doubtful_walls(plan: &Plan, walls: &[(Sense, f64)]) -> Option<Doubt> {
+fn doubtful_walls(plan: &Plan, walls: &[(RoleSense, f64)]) -> Option<Doubt> {
     let length: f64 = walls.iter().map(|w| w.1).sum();
     let sure: f64 = walls.iter().map(|(s, length)| f64::from(s.confidence) * length).sum();
     if length <= 0.0 || sure / length >= WALLS_SURE {
@@ -251,7 +251,7 @@ mod tests {
     }
 
     fn asked(plan: &Plan, walls: [f32; 4], floor: Option<&Floor>, settled: Settled) -> Vec<Doubt> {
-        let walls = walls.map(|confidence| (Sense { role: Role::Wall, confidence }, 10.0));
+        let walls = walls.map(|confidence| (RoleSense { role: Role::Wall, confidence }, 10.0));
         let axes = AxisGraph { thicknesses: vec![(0.2, 20.0)], ..AxisGraph::default() };
         questions(plan, &axes, &walls, floor, settled)
     }

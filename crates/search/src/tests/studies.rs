@@ -52,7 +52,7 @@ fn point(rng: &mut ChaCha8Rng, bounds: &[[f64; 2]]) -> Vec<f64> {
 }
 
 fn random_objective(rng: &mut ChaCha8Rng) -> Objective {
-    let sense = if rng.random::<bool>() { Sense::Maximise } else { Sense::Minimise };
+    let sense = if rng.random::<bool>() { Sense::Max } else { Sense::Min };
     let threshold = [0.0, 0.3, 0.7, 1.0][rng.random_range(0..4usize)];
     let (is_score, is_penalty) = [(true, false), (false, true), (false, false)][rng.random_range(0..3usize)];
     Objective { threshold, is_penalty, ..objective("a", sense, is_score) }

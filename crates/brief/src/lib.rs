@@ -1,0 +1,56 @@
+//! What a brief can ask for: the measures, all in one [table](TABLE), which way is better, and how options are looked
+//! for.
+//!
+//! Plain values below all other crates. Nothing is computed here: the engine measures, the search looks.
+
+pub mod column;
+mod measure;
+mod table;
+
+use serde::{Deserialize, Serialize};
+
+pub use column::Heading;
+pub use measure::{Growth, Measure, Source};
+pub use table::{Entry, Row, TABLE, Wording, column_of, columns, entries, rows};
+
+/// Whether more or less of something is better.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sense {
+    /// More is better.
+    Max,
+    /// Less is better.
+    Min,
+}
+
+impl Sense {
+    /// The value turned so that more is better (its own inverse).
+    pub fn gain(self, value: f64) -> f64 {
+        match self {
+            Self::Max => value,
+            Self::Min => -value,
+        }
+    }
+}
+
+/// What is wanted of a search.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// Several layouts, all good, really different.
+    #[default]
+    Diverse,
+    /// The single optimum.
+    Best,
+}
+
+/// How a search goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// What reaches most: a surrogate-led climb, then feasible spreading.
+    #[default]
+    Default,
+    /// Algorithms 1 and 2 as published, for comparison.
+    Paper,
+}
