@@ -295,6 +295,15 @@ pub struct Written {
     pub is_metric: Option<bool>,
 }
 
+/// Something that stands on the floor, as the file calls it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Called {
+    /// Its names, those of its type, its class, parted by blanks: `wc-01 IfcSanitaryTerminal TOILETPAN`.
+    pub words: String,
+    /// The lower left and the upper right corner of its box, drawing units.
+    pub extent: [DVec2; 2],
+}
+
 /// What a file states of moves that the plan read of it cannot use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum IdleMarks {
@@ -344,6 +353,8 @@ pub struct Drawing {
     pub bearing: BTreeMap<usize, super::bearing::Bearing>,
     /// What stands on the floor of a building and is no line of its plan, since the cut passes over it: record and outline.
     pub things: Vec<(usize, Vec<DVec2>)>,
+    /// What stands on the floor, with all that the file calls it: sanitary ware, furniture, machines.
+    pub called: Vec<Called>,
     /// Records of polylines that are drawn in one width all along, with that width in the units of the model space or
     /// the block they stand in, > 0.
     pub widths: BTreeMap<usize, f64>,
@@ -528,6 +539,7 @@ impl Drawing {
             slots: Vec::new(),
             bearing: BTreeMap::new(),
             things: Vec::new(),
+            called: Vec::new(),
             widths: BTreeMap::new(),
             singles: BTreeMap::new(),
             undrawn: Vec::new(),

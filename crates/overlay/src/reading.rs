@@ -171,6 +171,18 @@ pub struct RoomReading {
     pub outline: Vec<[f64; 2]>,
     /// Doors and passages that lead into it: indices into `openings`.
     pub doors: Vec<usize>,
+    /// What it is for: `bath`, `bedroom`, `corridor`, …; `other` where that is unknown.
+    #[serde(default)]
+    pub kind: String,
+    /// Whether nothing is opened into it unless somebody says so.
+    #[serde(default)]
+    pub is_private: bool,
+    /// Whether its kind is more than a guess.
+    #[serde(default)]
+    pub is_sure: bool,
+    /// The dwelling that it is part of, from 0.
+    #[serde(default)]
+    pub dwelling: Option<usize>,
 }
 
 /// An area with holes.

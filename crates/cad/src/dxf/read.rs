@@ -78,6 +78,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         slots: Vec::new(),
         bearing: Default::default(),
         things: Vec::new(),
+        called: Vec::new(),
         widths: reader.widths,
         singles: Default::default(),
         north_deg: 0.0,
