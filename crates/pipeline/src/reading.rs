@@ -59,6 +59,7 @@ pub(super) fn reading(base: &Understood, drawing: &Drawing, (sensed, rooms): (&S
         interior: interior(plan, sensed, &at),
         coverage: coverage(plan, sensed),
         questions: sensed.doubts.iter().map(|d| asked::entry(d, plan)).collect(),
+        room_questions: super::rooms::questions(rooms).iter().map(|d| asked::entry(d, plan)).collect(),
     }
 }
 

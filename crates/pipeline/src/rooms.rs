@@ -6,6 +6,7 @@ use super::study::Understood;
 use enfilade_config::Settings;
 use enfilade_plan::floor::{Area, texts_in_rooms};
 use enfilade_plan::kinds::{RoomKind, RoomKindFound, RoomsKnown, Way, kinds_of_rooms};
+use enfilade_plan::reading::questions::{Doubt, room_questions};
 use enfilade_report::{Error, Place};
 
 /// A room with what it is called and what it is for.
@@ -45,6 +46,12 @@ pub(super) fn rooms_with_kinds(
     });
     let all = rooms.iter().zip(names).zip(found);
     Ok(all.map(|((area, name), found)| Room { area: area.clone(), name, found }).collect())
+}
+
+/// What should be asked about rooms of which the kind is a guess.
+pub(super) fn questions(rooms: &[Room]) -> Vec<Doubt> {
+    let known: Vec<_> = rooms.iter().map(|r| (r.area.area_m2, r.name.is_some(), &r.found)).collect();
+    room_questions(&known)
 }
 
 /// The kinds that the settings state, by room from 0.

@@ -112,6 +112,32 @@ impl RoomKind {
         }
     }
 
+    /// What a room of it is, in words: `a bedroom`.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Bath => "a bathroom",
+            Self::Wc => "a WC",
+            Self::Bedroom => "a bedroom",
+            Self::Kitchen => "a kitchen",
+            Self::Living => "a living room",
+            Self::Dining => "a dining room",
+            Self::Hall => "a hall",
+            Self::Corridor => "a corridor",
+            Self::Stair => "a stair",
+            Self::Storage => "a storage room",
+            Self::Office => "an office",
+            Self::Meeting => "a meeting room",
+            Self::Ward => "a ward",
+            Self::Class => "a classroom",
+            Self::Plant => "a plant room",
+            Self::Garage => "a garage",
+            Self::Reception => "a reception",
+            Self::Changing => "a changing room",
+            Self::Outside => "outside",
+            Self::Other => "another room",
+        }
+    }
+
     /// Whether nothing is opened into it unless somebody says so: no more of it is seen from elsewhere than today.
     pub fn is_private(self) -> bool {
         matches!(
