@@ -341,6 +341,8 @@ pub struct Drawing {
     pub fills: Vec<Entity>,
     /// Texts of model space in file order.
     pub texts: Vec<Text>,
+    /// Attributes that INSERTs of model space show, each on a layer that is named as its tag: room tags, title blocks.
+    pub tags: Vec<Text>,
     /// Moves that the file states of its own elements.
     pub marked: Vec<MarkedMove>,
     /// What the file says besides of what should move or stay; it was named where it was read.
@@ -539,6 +541,7 @@ impl Drawing {
             slots: Vec::new(),
             bearing: BTreeMap::new(),
             things: Vec::new(),
+            tags: Vec::new(),
             called: Vec::new(),
             widths: BTreeMap::new(),
             singles: BTreeMap::new(),

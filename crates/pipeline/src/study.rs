@@ -102,7 +102,7 @@ pub struct Understood {
     pub interior: Option<Interior>,
     /// Doors and windows, where the file calls them so.
     pub openings: Vec<NamedOpening>,
-    /// Texts of the drawing.
+    /// Texts of the drawing, attributes too.
     pub texts: Vec<Text>,
     /// What stands in the rooms and tells what they are for.
     pub things: Vec<Thing>,
@@ -269,7 +269,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         moves,
         interior,
         openings,
-        texts: drawing.texts.clone(),
+        texts: drawing.texts.iter().chain(&drawing.tags).cloned().collect(),
         things,
         spaces,
         closings,

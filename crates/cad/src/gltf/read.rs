@@ -105,6 +105,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         slots: Vec::new(),
         bearing: Default::default(),
         things: Vec::new(),
+        tags: Vec::new(),
         called: called(&scene, &bodies, [floor, floor + above]),
         widths: Default::default(),
         singles: singles(&bodies),

@@ -733,6 +733,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             bearing: super::structure::of_storey(self.b, self.storey, self.cut),
             called: super::structure::called(self.b, &things),
             things,
+            tags: Vec::new(),
             widths: Default::default(),
             singles: Default::default(),
             undrawn: Vec::new(),

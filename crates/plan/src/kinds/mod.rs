@@ -14,7 +14,7 @@ use std::str::FromStr;
 use super::axes::OpeningKind;
 use super::floor::{Area, Beside};
 pub use things::{Thing, ThingKind, find as find_things};
-pub use words::{dwelling_of_name, kind_of_name};
+pub use words::{NameFound, dwelling_of_name, kind_of_name};
 
 /// What a room is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -266,10 +266,7 @@ pub fn kinds_of_rooms(known: &RoomsKnown<'_>) -> Vec<RoomKindFound> {
         (0..known.rooms.len()).map(|room| stated(known, room, &seen[room])).collect();
     let usage = evidence::Usage::of(&found, &seen);
     for (found, room) in found.iter_mut().zip(&seen) {
-        let is_open = found.as_ref().is_none_or(|f| !f.is_sure && f.kind == RoomKind::Other);
-        if is_open {
-            *found = Some(evidence::by_shape(room, &usage));
-        }
+        found.get_or_insert_with(|| evidence::by_shape(room, &usage));
     }
     let mut found: Vec<RoomKindFound> = found.into_iter().flatten().collect();
     let dwellings = dwellings::dwellings(known, &found);
@@ -285,21 +282,17 @@ fn stated(known: &RoomsKnown<'_>, room: usize, seen: &evidence::RoomSeen) -> Opt
     let name = known.names.get(room).and_then(Option::as_deref);
     let named = name.and_then(kind_of_name);
     let written = || {
-        let texts = known.texts.get(room).into_iter().flatten();
+        let texts = known.texts.get(room).into_iter().flatten().filter(|t| words::is_short(t));
         texts.filter_map(|t| kind_of_name(t)).filter(|f| f.is_sure).min_by_key(|f| words::rank(f.kind))
     };
-    let by_words = named.filter(|n| n.is_sure).or_else(written).or_else(|| name.and_then(kind_of_name));
-    let by_things = || evidence::by_things(seen);
+    let by_words = named.clone().filter(|n| n.is_sure).or_else(written).or(named);
+    let by_name = |n: words::NameFound| RoomKindFound::new(n.kind, n.is_sure, vec![Evidence::Name(n.word)]);
     match by_words {
-        Some(n) if n.is_sure => Some(RoomKindFound::new(n.kind, true, vec![Evidence::Name(n.word)])),
-        Some(n) => by_things()
-            .filter(|f| f.is_sure)
-            .or_else(|| Some(RoomKindFound::new(n.kind, false, vec![Evidence::Name(n.word)]))),
-        // A name that says nothing known is not overruled by a guess.
-        None => by_things().or_else(|| {
-            let is_named = name.is_some_and(|n| words::says_something(n));
-            is_named.then(|| RoomKindFound::new(RoomKind::Other, true, Vec::new()))
-        }),
+        Some(n) if n.is_sure => Some(by_name(n)),
+        by_words => match (evidence::by_things(seen), by_words) {
+            (Some(found), by_words) if found.is_sure || by_words.is_none() => Some(found),
+            (_, by_words) => by_words.map(by_name),
+        },
     }
 }
 

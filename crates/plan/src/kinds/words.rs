@@ -45,7 +45,7 @@ const WORDS: &[(RoomKind, &str)] = &[
         RoomKind::Bath,
         "bath baths bathroom bathrooms bathrm bathrms shower showers ensuite en_suite powder_bath tub \
          bad baeder bader badezimmer badraum duschbad dusche duschen duschraum *bad *dusche nasszelle sanitarraum sanitaer* sanitar* \
-         salle_de_bain salle_de_bains salles_de_bains salle_d_eau salle_de_douche bain bains douche douches sdb sde cabinet_de_toilette sanitaires \
+         salle_de_bain salle_de_bains salles_de_bains salle_d_eau salle_de_douche bain bains douche douches sdb sde sd_b sd_e cabinet_de_toilette sanitaires \
          bagno bagni doccia docce servizio_igienico servizi_igienici =servizi stanza_da_bagno =wc_bagno \
          bano banos cuarto_de_bano aseo_completo ducha duchas sala_de_bano \
          banheiro banheiros casa_de_banho quarto_de_banho banho banhos chuveiro i_s instalacao_sanitaria instalacoes_sanitarias \
@@ -56,7 +56,7 @@ const WORDS: &[(RoomKind, &str)] = &[
     ),
     (
         RoomKind::Wc,
-        "wc wcs toilet toilets lavatory lavatories water_closet restroom restrooms rest_room washroom washrooms wash_room loo powder powder_room half_bath \
+        "wc wcs toilet toilets lavatory lavatories water_closet restroom restrooms rest_room washroom washrooms wash_room loo powder powder_room half_bath toil \
          urinal urinals cubicle ladies gents wc* *wc \
          toilette toiletten klo abort gastewc pissoir toilettes w_c toilettenraum \
          aseo aseos servicios bano_social lavabo lavabos sanitario sanitarios gabinetto gabinetti antibagno \
@@ -158,7 +158,7 @@ const WORDS: &[(RoomKind, &str)] = &[
     ),
     (
         RoomKind::Plant,
-        "plant mechanical mech electrical elec technical utility utilities laundry laundries boiler furnace server servers data_room comms riser shaft shafts lift lifts elevator elevators duct switch_room meter machine_room machinery plant_room mud_laundry \
+        "plant mechanical mech electrical elec technical utility utilities util wash it_room it_rm laundry laundries boiler furnace server servers data_room comms riser shaft shafts lift lifts elevator elevators duct switch_room meter machine_room machinery plant_room mud_laundry \
          technik technikraum haustechnik *technik hwr hauswirtschaft hauswirtschaftsraum hausanschluss* hausanschlussraum heizung heizraum heizungs* waschkuche waschraum waschmaschine serverraum *server schacht *schacht aufzug aufzuge fahrstuhl elektro* luftung* traforaum =hau =har \
          technique local_technique buanderie chaufferie chaudiere lingerie ascenseur gaine gaines local_poubelle locale_tecnico tecnico lavanderia caldaia centrale_termica ascensore cavedio vano_tecnico \
          cuarto_de_maquinas maquinas instalaciones lavadero lavanderia caldera ascensor ascensores cuarto_tecnico lavandaria area_tecnica casa_das_maquinas area_de_servico elevador elevadores \
@@ -170,7 +170,7 @@ const WORDS: &[(RoomKind, &str)] = &[
     (
         RoomKind::Corridor,
         "corridor corridors corr passage passageway hallway hallways circulation aisle gang flur flure korridor *flur *gang couloir couloirs degagement degagements circulation corridoio corridoi disimpegno disimpegni \
-         pasillo pasillos distribuidor corredor corredores circulacao gang gangen overloop verkeersruimte korytarz korytarze komunikacja коридор коридоры chodba chodby koridor \
+         pasillo pasillos pasadizo distribuidor corredor corredores circulacao gang gangen overloop verkeersruimte korytarz korytarze komunikacja коридор коридоры chodba chodby koridor \
          走廊 过道 走道 廊下 通路 내부복도 복도",
     ),
     (
@@ -180,6 +180,12 @@ const WORDS: &[(RoomKind, &str)] = &[
          entrada recibidor vestibulo zaguan hall_de_entrada atrio vestibulo hal halletje portaal entree inkom voorportaal hol przedpokoj przedpokoje sien wiatrolap przedsionek holl \
          прихожая прихож* холл тамбур вестибюль фойе сени predsin hala zadveri vstup antre giris hol sofa_hol 玄关 门厅 门廊 大厅 大堂 前室 玄関 ホール エントランス 현관 홀",
     ),
+    (
+        RoomKind::Other,
+        "library libraries bibliothek bibliotheque biblioteca bibliotheek biblioteka библиотека knihovna kutuphane 图书室 図書室 gym fitness gallery exhibition ausstellung exposition museum \
+         lab labs laboratory labor laboratoire laboratorio laboratorium лаборатория workshop werkstatt atelier shop laden magasin negozio tienda loja winkel sklep магазин obchod dukkan \
+         factory production chapel kapelle pool sauna void luftraum vide 店 商铺 作業室",
+    ),
 ];
 
 /// Words that mean a room of which nobody says what it is for: in a dwelling mostly one to sleep in.
@@ -188,10 +194,6 @@ const WEAK: &[(RoomKind, &str)] = &[(
     "zimmer *zimmer pokoj pokoje cuarto cuartos kamer kamers oda odasi комната комнаты жилая жилая_комната stanza stanze piece chambrette mistnost guest slaap suite suites \
      房间 洋室 和室 방",
 )];
-
-/// Words of numbers, areas and the like that say nothing of what a room is for.
-const NOTHING: &str = "room rooms raum raume space spaces local locale vano sala salle area areas flache m sq ft qm mq nr no r unit zone помещение помещ room_name \
-     pomieszczenie ruimte mistnost mahal 房间 室 部屋 ifcspace undefined unnamed none level floor ceiling height ht ch fl clg";
 
 /// A word of a pattern.
 enum Word {
@@ -325,10 +327,12 @@ fn are_apart(words: &[String], longer: &Pattern, shorter: &Pattern) -> bool {
     }
 }
 
-/// Whether a name has a word beyond numbers, areas and `room`.
-pub(super) fn says_something(name: &str) -> bool {
-    let is_nothing = |w: &String| NOTHING.split_ascii_whitespace().any(|n| bare(n) == *w);
-    words_of(name).iter().any(|w| !is_nothing(w))
+/// Most words of a text that names a room; what is longer, or ends with a colon, is a note.
+const SHORT: usize = 3;
+
+/// Whether a text may be a name rather than a note.
+pub(super) fn is_short(text: &str) -> bool {
+    !text.trim_end().ends_with(':') && words_of(text).len() <= SHORT
 }
 
 /// Words before or after which the number or letter of a dwelling stands.
