@@ -163,6 +163,11 @@ fn check(args: &CheckArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> 
             let kind = format!("{:?}", m.kind).to_lowercase();
             say(&format!("move {}: {kind} {} … {} {}", m.name, tidy(m.lower), tidy(m.upper), m.unit));
         }
+        if let Some(reading) = &result.reading {
+            let rooms = reading.rooms.iter().enumerate();
+            rooms.for_each(|(k, room)| say(&format!("room {}", room.words(k + 1))));
+            ask(&reading.room_questions);
+        }
         result.storeys.iter().for_each(|s| say(&storey_line(s)));
         for r in result.regions.iter().filter(|r| r.kind != "move") {
             let pair = r.pair.as_ref().map_or_else(String::new, |name| format!(" {name}"));

@@ -72,7 +72,8 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # door = ["layer:L7"]                  # these show doors
 # window = ["layer:L8"]                # these show windows
 # as_drawn = false                     # true: every line stops sight, nothing is interpreted
-# In a drawing's own file also: view = 1 or [0, 0, 20, 15], inside = [[4.0, 3.0]], outside = [[9.0, 3.0]]
+# In a drawing's own file also: view = 1 or [0, 0, 20, 15], inside = [[4.0, 3.0]], outside = [[9.0, 3.0]],
+# rooms = ["3=bath"]
 # [[region]]
 # kind = "query"                       # query, reference, keep
 # pair = "entrance"                    # of a named pair; without it, of the unnamed one

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::values::point;
-use enfilade_config::{ReadingTable, SelectorText};
+use enfilade_config::{ReadingTable, RoomText, SelectorText};
 
 /// Corrections. Each changes what it names and nothing else.
 #[derive(Clone, Debug, Default, Args)]
@@ -29,6 +29,9 @@ pub struct ReadingArgs {
     /// The floor round this point is not measured, drawing units.
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     pub outside: Vec<[f64; 2]>,
+    /// What a room is for, by the number that check shows: 3=bath.
+    #[arg(long, value_name = "N=KIND")]
+    pub room: Vec<RoomText>,
     /// Every visible line stops sight, or every line of --wall-layer; nothing is interpreted.
     #[arg(long)]
     pub as_drawn: bool,
@@ -47,6 +50,7 @@ impl ReadingArgs {
             window: given.window,
             inside: given.inside,
             outside: given.outside,
+            rooms: given.room,
             as_drawn: self.as_drawn.then_some(true),
         }
     }

@@ -295,6 +295,15 @@ pub struct Written {
     pub is_metric: Option<bool>,
 }
 
+/// Something that stands on the floor, as the file calls it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Called {
+    /// Its names, those of its type, its class, parted by blanks: `wc-01 IfcSanitaryTerminal TOILETPAN`.
+    pub words: String,
+    /// The lower left and the upper right corner of its box, drawing units.
+    pub extent: [DVec2; 2],
+}
+
 /// What a file states of moves that the plan read of it cannot use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum IdleMarks {
@@ -332,6 +341,8 @@ pub struct Drawing {
     pub fills: Vec<Entity>,
     /// Texts of model space in file order.
     pub texts: Vec<Text>,
+    /// Attributes that INSERTs of model space show, each on a layer that is named as its tag: room tags, title blocks.
+    pub tags: Vec<Text>,
     /// Moves that the file states of its own elements.
     pub marked: Vec<MarkedMove>,
     /// What the file says besides of what should move or stay; it was named where it was read.
@@ -344,6 +355,8 @@ pub struct Drawing {
     pub bearing: BTreeMap<usize, super::bearing::Bearing>,
     /// What stands on the floor of a building and is no line of its plan, since the cut passes over it: record and outline.
     pub things: Vec<(usize, Vec<DVec2>)>,
+    /// What stands on the floor, with all that the file calls it: sanitary ware, furniture, machines.
+    pub called: Vec<Called>,
     /// Records of polylines that are drawn in one width all along, with that width in the units of the model space or
     /// the block they stand in, > 0.
     pub widths: BTreeMap<usize, f64>,
@@ -528,6 +541,8 @@ impl Drawing {
             slots: Vec::new(),
             bearing: BTreeMap::new(),
             things: Vec::new(),
+            tags: Vec::new(),
+            called: Vec::new(),
             widths: BTreeMap::new(),
             singles: BTreeMap::new(),
             undrawn: Vec::new(),

@@ -111,7 +111,7 @@ pub fn is_word(word: &str, listed: &str) -> bool {
 }
 
 /// Whether others join on to a word without a blank: Han characters, and kana or Hangul from two letters on.
-pub(super) fn is_joined(word: &str) -> bool {
+pub fn is_joined(word: &str) -> bool {
     let is_han = |c: char| ('\u{4e00}'..='\u{9fff}').contains(&c);
     let is_syllable =
         |c: char| ('\u{3040}'..='\u{30ff}').contains(&c) || ('\u{ac00}'..='\u{d7a3}').contains(&c);

@@ -27,7 +27,7 @@ pub use enfilade_brief::{Measure, Method, Mode, Source};
 use enfilade_report::{Error, Place, counted};
 pub use files::{is_settings, settings_files, unread_side_cars};
 pub use pair::{PAIR_NAME_BYTES, PairName};
-pub use reading::{ReadingTable, SelectorText, ViewText, for_folder};
+pub use reading::{ReadingTable, RoomText, SelectorText, ViewText, for_folder};
 pub use version::{SETTINGS_VERSION, VERSION};
 pub use watching::{DEPTH_MAX, JOB_SECS, WatchTable};
 

@@ -20,11 +20,11 @@ const OF_FILES: [&str; 10] = [
 ];
 
 /// Corrections of how a drawing is read, which stand among the others on the command line.
-const OF_READING: [&str; 7] = ["wall", "not-wall", "door", "window", "inside", "outside", "as-drawn"];
+const OF_READING: [&str; 8] = ["wall", "not-wall", "door", "window", "inside", "outside", "room", "as-drawn"];
 
 /// Options that the command line takes several times: of these one value is a list of one.
-const REPEATABLE: [&str; 9] =
-    ["wall-layer", "seed-point", "link", "wall", "not-wall", "door", "window", "inside", "outside"];
+const REPEATABLE: [&str; 10] =
+    ["wall-layer", "seed-point", "link", "wall", "not-wall", "door", "window", "inside", "outside", "room"];
 
 impl Partial {
     /// Reads settings of these names and values. The names are those of the command line's options, words joined by

@@ -93,6 +93,58 @@ impl fmt::Display for ViewText {
     }
 }
 
+/// What a room is for: `3=bath`, by the number that `check` shows.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct RoomText {
+    number: usize,
+    kind: String,
+}
+
+impl RoomText {
+    /// The room's number, from 1.
+    pub fn number(&self) -> usize {
+        self.number
+    }
+
+    /// The kind, as stated.
+    pub fn kind(&self) -> &str {
+        &self.kind
+    }
+}
+
+impl FromStr for RoomText {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (number, kind) = text.split_once('=').unwrap_or_default();
+        match (number.trim().parse(), kind.trim()) {
+            (Ok(number), kind) if number > 0 && !kind.is_empty() => Ok(Self { number, kind: kind.into() }),
+            _ => Err(format!("found {text:?}, expected NUMBER=KIND, as 3=bath")),
+        }
+    }
+}
+
+impl TryFrom<String> for RoomText {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<RoomText> for String {
+    fn from(room: RoomText) -> Self {
+        room.to_string()
+    }
+}
+
+impl fmt::Display for RoomText {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.number, self.kind)
+    }
+}
+
 /// Corrections. Each changes what it names and nothing else.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -121,6 +173,9 @@ pub struct ReadingTable {
     /// The floor round these is not, drawing units.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<[f64; 2]>,
+    /// What rooms are for.
+    #[serde(skip_serializing_if = "Vec::is_empty", alias = "room")]
+    pub rooms: Vec<RoomText>,
     /// Every line of the chosen layers stops sight; nothing is interpreted.
     #[serde(skip_serializing_if = "Option::is_none", alias = "as-drawn")]
     pub as_drawn: Option<bool>,
@@ -143,6 +198,7 @@ impl ReadingTable {
         }
         base.inside.retain(|p| !self.outside.contains(p) && !self.inside.contains(p));
         base.outside.retain(|p| !self.inside.contains(p) && !self.outside.contains(p));
+        base.rooms.retain(|r| self.rooms.iter().all(|own| own.number != r.number));
         fn joined<T>(mine: Vec<T>, theirs: Vec<T>) -> Vec<T> {
             mine.into_iter().chain(theirs).collect()
         }
@@ -155,6 +211,7 @@ impl ReadingTable {
             window: joined(self.window, base.window),
             inside: joined(self.inside, base.inside),
             outside: joined(self.outside, base.outside),
+            rooms: joined(self.rooms, base.rooms),
             as_drawn: self.as_drawn.or(base.as_drawn),
         }
     }
@@ -172,7 +229,8 @@ impl ReadingTable {
         let placed = points
             .into_iter()
             .flat_map(|(key, list)| list.iter().map(move |[x, y]| (key, format!("{x},{y}"))));
-        named.chain(placed).collect()
+        let rooms = self.rooms.iter().map(|r| ("room", r.to_string()));
+        named.chain(placed).chain(rooms).collect()
     }
 }
 
@@ -188,6 +246,8 @@ struct OfOneDrawing {
     view: Option<Spanned<Value>>,
     inside: Option<Spanned<Value>>,
     outside: Option<Spanned<Value>>,
+    #[serde(alias = "room")]
+    rooms: Option<Spanned<Value>>,
 }
 
 /// Refuses corrections in a folder's settings that can mean one drawing alone: handles, points, a view.
@@ -205,7 +265,9 @@ pub fn for_folder(name: &str, text: &str) -> Result<(), Error> {
     let handle = handles.filter(|s| s.get_ref().is_handle()).map(|s| (s.span(), "a handle"));
     let points = [r.inside, r.outside].into_iter().flatten().map(|p| (p.span(), "a point"));
     let view = r.view.map(|v| (v.span(), "a view"));
-    let Some((span, what)) = handle.chain(points).chain(view).min_by_key(|(span, _)| span.start) else {
+    let rooms = r.rooms.map(|v| (v.span(), "a room"));
+    let Some((span, what)) = handle.chain(points).chain(view).chain(rooms).min_by_key(|(span, _)| span.start)
+    else {
         return Ok(());
     };
     let text_of = format!("[reading]: {what} belongs to one drawing; move it to <drawing>.enfilade.toml");
@@ -234,6 +296,21 @@ mod tests {
         for wrong in ["A-WALL", "layer:", "colour:3", "layer:[a"] {
             assert!(wrong.parse::<SelectorText>().is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn rooms_are_read_and_the_nearer_source_counts() {
+        let room = |text: &str| text.parse::<RoomText>();
+        assert_eq!(room(" 3 = bath ").map(|r| r.to_string()), Ok("3=bath".into()));
+        for wrong in ["bath", "0=bath", "3=", "x=bath", "-1=bath"] {
+            assert!(room(wrong).is_err(), "{wrong}");
+        }
+        let table = |rooms: &[&str]| ReadingTable {
+            rooms: rooms.iter().map(|r| r.parse().unwrap()).collect(),
+            ..ReadingTable::default()
+        };
+        assert_eq!(table(&["3=bath"]).over(table(&["3=wc", "4=hall"])), table(&["3=bath", "4=hall"]));
+        assert_eq!(table(&["3=bath"]).options(), [("room", "3=bath".to_owned())]);
     }
 
     #[test]
@@ -289,6 +366,7 @@ mod tests {
         assert_eq!(at("wall = [\"layer:A*\", \"handle:2F\"]"), refused("21"));
         assert_eq!(at("inside = [[1, 2]]"), refused("10"));
         assert_eq!(at("view = 1"), refused("8"));
+        assert_eq!(at("rooms = [\"3=bath\"]"), refused("9"));
         assert_eq!(at("unit = \"mm\"\nas_drawn = true\nnot_wall = [\"block:SINK\"]"), None);
     }
 }

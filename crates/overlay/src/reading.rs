@@ -31,6 +31,10 @@ pub struct Reading {
     pub coverage: Option<f64>,
     /// What a person should decide, least certain first.
     pub questions: Vec<QuestionEntry>,
+    /// What a person may decide about rooms of which the kind is a guess, the largest first. They hold up nothing but what
+    /// depends on it.
+    #[serde(default)]
+    pub room_questions: Vec<QuestionEntry>,
 }
 
 /// What the first line of `check` says.
@@ -171,6 +175,34 @@ pub struct RoomReading {
     pub outline: Vec<[f64; 2]>,
     /// Doors and passages that lead into it: indices into `openings`.
     pub doors: Vec<usize>,
+    /// What it is for: `bath`, `bedroom`, `corridor`, …; `other` where that is unknown.
+    #[serde(default)]
+    pub kind: String,
+    /// Whether nothing is opened into it unless somebody says so.
+    #[serde(default)]
+    pub is_private: bool,
+    /// Whether its kind is more than a guess.
+    #[serde(default)]
+    pub is_sure: bool,
+    /// The dwelling that it is part of, from 0.
+    #[serde(default)]
+    pub dwelling: Option<usize>,
+}
+
+impl RoomReading {
+    /// The room in a line: `3: Bad, bath, private, 6.6 m²`.
+    pub fn words(&self, number: usize) -> String {
+        let kind = match (self.kind.as_str(), self.is_sure) {
+            ("other" | "", _) => "kind unknown".to_owned(),
+            (kind, true) => kind.to_owned(),
+            (kind, false) => format!("probably {kind}"),
+        };
+        let name = Some(self.name.clone()).filter(|n| !n.is_empty());
+        let private = self.is_private.then(|| "private".to_owned());
+        let dwelling = self.dwelling.map(|d| format!("dwelling {}", d + 1));
+        let words: Vec<String> = name.into_iter().chain([kind]).chain(private).chain(dwelling).collect();
+        format!("{number}: {}, {:.1} m²", words.join(", "), self.area_m2)
+    }
 }
 
 /// An area with holes.
@@ -185,7 +217,7 @@ pub struct AreaReading {
 /// What a person should decide.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct QuestionEntry {
-    /// `unit`, `view`, `walls` or `floor`.
+    /// `unit`, `view`, `walls`, `floor` or `room`.
     pub about: String,
     /// How sure the reading is of this.
     pub confidence: f64,

@@ -40,6 +40,9 @@ fn values(question: &Question, at: &Places<'_>) -> Map<String, Value> {
         Question::View { views } => json!({ "views": views.iter().map(|v| &v.1).collect::<Vec<_>>() }),
         Question::Walls { layer, count } => json!({ "layer": layer, "count": count }),
         Question::Floor { at: p, area_m2 } => json!({ "at": at.file(*p), "area_m2": share(*area_m2) }),
+        Question::Room { number, area_m2, kind } => {
+            json!({ "room": number, "area_m2": share(*area_m2), "kind": kind.name() })
+        }
     };
     values.as_object().cloned().unwrap_or_default()
 }
@@ -64,6 +67,10 @@ fn correction(c: &Correction, at: &Places<'_>) -> (&'static str, Value, String) 
         Correction::NotWall(selector) => listed("not_wall", "--not-wall", selector),
         Correction::Inside(p) => point("inside", *p),
         Correction::Outside(p) => point("outside", *p),
+        Correction::Room(number, kind) => {
+            let value = format!("{number}={kind}");
+            ("rooms", json!([value]), format!("--room {value}"))
+        }
     }
 }
 
@@ -104,6 +111,9 @@ fn sentence(question: &Question, plan: &Plan) -> (&'static str, String) {
         Question::Walls { layer, count } => {
             ("walls", format!("Does layer {layer} show walls? {count} of its elements stop sight."))
         }
+        Question::Room { number, area_m2, kind } => {
+            ("room", format!("Is room {number} ({area_m2:.1} m²) {}?", kind.words()))
+        }
         Question::Floor { at, area_m2 } => {
             let [x, y] = Places::new(plan).file(*at);
             (
@@ -129,6 +139,8 @@ fn answer(question: &Question, c: &Correction, plan: &Plan) -> String {
         (_, Correction::NotWall(_)) => "No, no walls".into(),
         (_, Correction::Inside(_)) => "Inside: measure it".into(),
         (_, Correction::Outside(_)) => "Outside".into(),
+        (Question::Room { kind, .. }, Correction::Room(_, said)) if kind == said => "Yes".into(),
+        (_, Correction::Room(_, kind)) => format!("No, {}", kind.words()),
         (_, Correction::Unit(unit)) => unit_text(*unit),
         (_, Correction::View(number)) => {
             view_text(*number, plan.views.get(number - 1).map_or("", |v| &v.name))

@@ -112,6 +112,16 @@ pub(super) fn add_spaces(drawing: &Drawing, plan: &mut Plan, settings: &Settings
     Ok(())
 }
 
+/// Outlines of the spaces that have a name, drawing frame, micrometres.
+pub(super) fn named_spaces(drawing: &Drawing, plan: &Plan) -> Vec<(Vec<PointUm>, String)> {
+    let texts = drawing.texts.iter().filter(|t| t.layer == SPACE_LAYER);
+    let names: BTreeMap<usize, String> =
+        texts.filter_map(|t| Some((t.source.record, enfilade_plan::floor::name_in(&t.text)?))).collect();
+    let spaces = drawing.entities.iter().filter(|e| e.layer == SPACE_LAYER);
+    let named = spaces.filter_map(|e| Some((e, names.get(&e.source.record)?)));
+    named.map(|(e, name)| (curve::trace(&e.shape, &plan.frame).points, name.clone())).collect()
+}
+
 /// The settings with the storey on which the space that `--query` names is, where nobody names one and the one with most
 /// walls has no such space.
 ///

@@ -19,6 +19,7 @@ mod memory;
 mod page;
 mod reading;
 pub mod resolution;
+mod rooms;
 mod round;
 mod ruler;
 mod rules;
@@ -199,10 +200,11 @@ pub fn check_with(
     let base = study::understood(&drawing, settings, &mut report)?;
     let mut result = show::check(&base, &report);
     let sensed = sensed::Sensed::new(&base, settings);
-    result.reading = Some(reading::reading(&base, &drawing, &sensed));
+    let rooms = rooms::rooms_with_kinds(&base, &sensed, settings)?;
+    result.reading = Some(reading::reading(&base, &drawing, (&sensed, &rooms)));
     let mut files = Vec::new();
     if extras.picture {
-        files.push(OutFile::new("check.png", check_picture(&base, &sensed)?));
+        files.push(OutFile::new("check.png", check_picture(&base, &sensed, &rooms)?));
     }
     if extras.graph {
         let graph = graph::graph(&base, &sensed, &reading::names(&base, &sensed));
@@ -229,8 +231,12 @@ fn state_unread(input: &Input<'_>, settings: &Settings, report: &mut Report) {
     }
 }
 
-fn check_picture(base: &study::Understood, sensed: &sensed::Sensed) -> Result<Vec<u8>, Error> {
-    let picture = show::check_picture(base, sensed, &reading::names(base, sensed));
+fn check_picture(
+    base: &study::Understood,
+    sensed: &sensed::Sensed,
+    rooms: &[rooms::Room],
+) -> Result<Vec<u8>, Error> {
+    let picture = show::check_picture(base, sensed, rooms);
     check_png(&picture, &base.plan.file, &reading::headline(base, sensed).words(), DEFAULT_SIDE_PX)
 }
 
@@ -411,7 +417,8 @@ fn analysis_of(
         files.push(OutFile::new(format!("{}.png", m.file()), png?));
     }
     let sensed = sensed::Sensed::new(&study.base, settings);
-    files.push(OutFile::new("check.png", check_picture(&study.base, &sensed)?));
+    let rooms = rooms::rooms_with_kinds(&study.base, &sensed, settings)?;
+    files.push(OutFile::new("check.png", check_picture(&study.base, &sensed, &rooms)?));
     Ok(Outcome { result, files, report })
 }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::asked;
+use super::rooms::Room;
 use super::sensed::{OpenGap, Sensed, length, of_entity};
 use super::show::element_of;
 use super::study::Understood;
@@ -13,7 +14,7 @@ use enfilade_cad::drawing::{Drawing, Entity, Format};
 use enfilade_cad::own_layers;
 use enfilade_cad::roles::Role;
 use enfilade_engine::Region;
-use enfilade_engine::geometry::PointUm;
+use enfilade_engine::geometry::{PointUm, Side, side_of_ring};
 use enfilade_overlay::reading::{
     AreaReading, EntityReading, Headline, OpeningReading, Reading, RoomReading, UnitReading, UnitRival,
     ViewReading, WallReading,
@@ -22,7 +23,7 @@ use enfilade_overlay::result::ElementRef;
 use enfilade_plan::Plan;
 use enfilade_plan::axes::{Edge, OpeningKind};
 use enfilade_plan::by_place::Entities;
-use enfilade_plan::floor::{Area, Beside, Floor, name_of_rooms};
+use enfilade_plan::floor::{Area, Beside, name_of_rooms};
 use enfilade_plan::reading::RoleSense;
 use enfilade_plan::view_names::Title;
 
@@ -33,10 +34,9 @@ const CHORD_RAD: f64 = 0.2;
 const GRAIN_M: f64 = 1e-6;
 
 /// What a drawing is taken for.
-pub(super) fn reading(base: &Understood, drawing: &Drawing, sensed: &Sensed) -> Reading {
+pub(super) fn reading(base: &Understood, drawing: &Drawing, (sensed, rooms): (&Sensed, &[Room])) -> Reading {
     let plan = &base.plan;
     let at = Places::new(plan);
-    let names = names(base, sensed);
     let sense = &plan.reading.unit;
     Reading {
         confidence: share(sensed.confidence),
@@ -55,17 +55,23 @@ pub(super) fn reading(base: &Understood, drawing: &Drawing, sensed: &Sensed) -> 
         entities: entities(plan, drawing),
         walls: base.axes.edges.iter().map(|e| wall(base, drawing, e, &at)).collect(),
         openings: sensed.gaps.iter().map(|g| opening(base, drawing, g, &at)).collect(),
-        rooms: rooms(sensed, &names, &at),
+        rooms: room_readings(sensed, rooms, &at),
         interior: interior(plan, sensed, &at),
         coverage: coverage(plan, sensed),
         questions: sensed.doubts.iter().map(|d| asked::entry(d, plan)).collect(),
+        room_questions: super::rooms::questions(rooms).iter().map(|d| asked::entry(d, plan)).collect(),
     }
 }
 
-/// What the rooms are called.
+/// What the rooms are called: by the texts that stand in them, else by the space of the building that they are part of.
 pub(super) fn names(base: &Understood, sensed: &Sensed) -> Vec<Option<String>> {
-    let named = |f: &Floor| name_of_rooms(&f.rooms, &base.texts, &base.plan.frame);
-    sensed.floor.as_ref().map_or_else(Vec::new, named)
+    let Some(floor) = &sensed.floor else { return Vec::new() };
+    let mut names = name_of_rooms(&floor.rooms, &base.texts, &base.plan.frame);
+    for (name, room) in names.iter_mut().zip(&floor.rooms).filter(|(n, _)| n.is_none()) {
+        let around = |(ring, _): &&(Vec<PointUm>, String)| side_of_ring(ring, room.at) == Side::Inside;
+        *name = base.spaces.iter().find(around).map(|s| s.1.clone());
+    }
+    names
 }
 
 /// The first line of `check`.
@@ -286,7 +292,7 @@ fn opening(base: &Understood, drawing: &Drawing, g: &OpenGap, at: &Places<'_>) -
     }
 }
 
-fn rooms(sensed: &Sensed, names: &[Option<String>], at: &Places<'_>) -> Vec<RoomReading> {
+fn room_readings(sensed: &Sensed, rooms: &[Room], at: &Places<'_>) -> Vec<RoomReading> {
     let Some(floor) = &sensed.floor else { return Vec::new() };
     let leads = |room: usize| {
         let gaps = sensed.gaps.iter().zip(&floor.beside).enumerate();
@@ -294,13 +300,17 @@ fn rooms(sensed: &Sensed, names: &[Option<String>], at: &Places<'_>) -> Vec<Room
             gaps.filter(move |(_, (g, b))| g.kind != OpeningKind::Window && b.contains(&Beside::Room(room)));
         into.map(|(k, _)| k).collect()
     };
-    let of = |(k, room): (usize, &Area)| RoomReading {
-        name: names.get(k).cloned().flatten().unwrap_or_default(),
-        area_m2: (room.area_m2 * 100.0).round() / 100.0,
-        outline: at.ring(&room.outline),
+    let of = |(k, room): (usize, &Room)| RoomReading {
+        name: room.name.clone().unwrap_or_default(),
+        area_m2: (room.area.area_m2 * 100.0).round() / 100.0,
+        outline: at.ring(&room.area.outline),
         doors: leads(k),
+        kind: room.found.kind.name().into(),
+        is_private: room.found.is_private(),
+        is_sure: room.found.is_sure,
+        dwelling: room.found.dwelling,
     };
-    floor.rooms.iter().enumerate().map(of).collect()
+    rooms.iter().enumerate().map(of).collect()
 }
 
 fn interior(plan: &Plan, sensed: &Sensed, at: &Places<'_>) -> Vec<AreaReading> {

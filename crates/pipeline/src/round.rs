@@ -26,6 +26,7 @@ use rayon::prelude::*;
 
 use super::asked;
 use super::memory::Memory;
+use super::rooms::rooms_with_kinds;
 use super::ruler::ruler;
 use super::sensed::Sensed;
 use super::show;
@@ -96,6 +97,8 @@ pub(super) fn run(
     let settings = &fits::fitted(&study.base, settings, &mut report)?;
     rules::say_odd(&study.base, settings, &mut report)?;
     let sensed = Sensed::new(&study.base, settings);
+    // What is wrong in a correction of rooms is said before the search.
+    rooms_with_kinds(&study.base, &sensed, settings)?;
     let is_asked = !sensed.doubts.is_empty() && settings.unsure == Unsure::Ask;
     if is_asked {
         let text = "The reading is unsure, so no option was made. Answer the questions, or run it with --unsure optimise.";
@@ -196,7 +199,8 @@ fn round(
     files.extend(files::drawings(input, settings, study, &shown, &result)?);
     files.push(OutFile::new("convergence.png", files::convergence(found)?));
     files.push(OutFile::new("diversity.png", files::diversity(study, &made)?));
-    let understood = super::check_picture(&study.base, sensed)?;
+    let rooms = rooms_with_kinds(&study.base, sensed, settings)?;
+    let understood = super::check_picture(&study.base, sensed, &rooms)?;
     let maps = show::maps(study);
     let page = super::page::page(input, settings, &result, (&files, &maps), &understood, found);
     files.push(OutFile::new("report.html", page));

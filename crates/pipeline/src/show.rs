@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::aims::cell_values;
 use super::building;
+use super::rooms::Room;
 use super::sensed::{Sensed, of_entity};
 use super::study::{Seen, Study, Understood, Worth, divisor};
 use enfilade_cad::bearing;
@@ -27,6 +28,7 @@ use enfilade_overlay::result::{
 use enfilade_plan::axes::{OpeningKind, THICKNESSES};
 use enfilade_plan::curve::Trace;
 use enfilade_plan::floor::Area;
+use enfilade_plan::kinds::RoomKind;
 use enfilade_plan::markers::Kind;
 use enfilade_plan::{Plan, Wall};
 use enfilade_report::{Report, counted};
@@ -170,7 +172,7 @@ fn stretched([a, b]: [DVec2; 2], human_scale: f64) -> Vec<Stroke> {
 const SURE: f32 = 0.6;
 
 /// The floor with what each room is called and how large it is.
-fn floor_shapes(base: &Understood, sensed: &Sensed, names: &[Option<String>]) -> Vec<FloorShape> {
+fn floor_shapes(base: &Understood, sensed: &Sensed, rooms: &[Room]) -> Vec<FloorShape> {
     let Some(floor) = &sensed.floor else { return Vec::new() };
     let is_measured = base.plan.markers.query.is_empty().then_some(true);
     let at = |p: &PointUm| base.plan.frame.plan_from_um(*p).to_array();
@@ -184,19 +186,34 @@ fn floor_shapes(base: &Understood, sensed: &Sensed, names: &[Option<String>]) ->
         is_measured,
     };
     let size = |area: &Area| format!("{:.1} m²", area.area_m2);
-    let room = |(k, area): (usize, &Area)| {
-        let name = names.get(k).cloned().flatten();
-        shape(area, name.into_iter().chain([size(area)]).collect(), is_measured)
+    let room = |(k, room): (usize, &Room)| {
+        let size = format!("{}: {}", k + 1, size(&room.area));
+        let words = room.name.iter().cloned().chain(kind_words(room)).chain([size]);
+        shape(&room.area, words.collect(), is_measured)
     };
-    let rooms = floor.rooms.iter().enumerate().map(room);
+    let rooms = rooms.iter().enumerate().map(room);
     let left = floor.left_out.iter().filter(|_| is_measured.is_some());
     rooms.chain(left.map(|a| shape(a, vec![size(a)], Some(false)))).collect()
 }
 
+/// What a room is for, in a word or two; nothing where that is unknown, or its name says the same.
+fn kind_words(room: &Room) -> Option<String> {
+    let found = &room.found;
+    let is_same = room.name.as_ref().is_some_and(|n| n.to_lowercase().contains(found.kind.name()));
+    let kind = match found.kind {
+        RoomKind::Other => return None,
+        _ if is_same => "",
+        kind => kind.name(),
+    };
+    let words =
+        [kind, if found.is_sure { "" } else { "?" }, if found.is_private() { " private" } else { "" }];
+    Some(words.concat().trim().to_owned()).filter(|w| !w.is_empty())
+}
+
 /// The plan as understood: also its floor, its openings, what is doubtful and what was left out.
-pub fn check_picture(base: &Understood, sensed: &Sensed, names: &[Option<String>]) -> PlanPicture {
+pub(super) fn check_picture(base: &Understood, sensed: &Sensed, rooms: &[Room]) -> PlanPicture {
     let mut out = picture(base);
-    out.floor = floor_shapes(base, sensed, names);
+    out.floor = floor_shapes(base, sensed, rooms);
     let is_doubtful = |w: &usize| of_entity(&base.plan, base.entities[*w], true).confidence < SURE;
     let doubtful = (0..base.plan.walls.len()).filter(is_doubtful).map(|w| &base.plan.walls[w]);
     let doubtful: Vec<Stroke> =

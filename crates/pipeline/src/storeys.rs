@@ -1,5 +1,6 @@
 //! The other storeys of a building: each checked and measured by itself, in a folder of its own.
 
+use super::rooms::rooms_with_kinds;
 use super::sensed::Sensed;
 use super::study::Understood;
 use super::{Input, Study, analyse_storey, building, check_picture, show, study};
@@ -22,7 +23,9 @@ fn others(found: &[StoreyInfo], settings: &Settings) -> Vec<(StoreyInfo, String,
         return Vec::new();
     }
     let of = |(i, s): (usize, &StoreyInfo)| {
-        let own = Settings { storey: Some(enfilade_cad::storey_key(found, i)), ..settings.clone() };
+        let mut own = Settings { storey: Some(enfilade_cad::storey_key(found, i)), ..settings.clone() };
+        // Rooms are numbered on the storey that is read.
+        own.reading.rooms.clear();
         (s.clone(), folder_of(i), own)
     };
     let walled = found.iter().enumerate().filter(|(_, s)| s.walls > 0);
@@ -96,7 +99,11 @@ pub(super) fn check(
         let mut report = report.clone();
         let drawing = drawing.as_ref().map_err(Clone::clone)?;
         let base = study::understood(drawing, own, &mut report)?;
-        let png = is_drawn.then(|| check_picture(&base, &Sensed::new(&base, own))).transpose()?;
+        let picture = || {
+            let sensed = Sensed::new(&base, own);
+            check_picture(&base, &sensed, &rooms_with_kinds(&base, &sensed, own)?)
+        };
+        let png = is_drawn.then(picture).transpose()?;
         Ok((png, base, report))
     });
     let mut made = made.into_iter();

@@ -48,6 +48,7 @@ use enfilade_plan::curve::{Trace, trace};
 use enfilade_plan::fittings::{self, Fitting};
 use enfilade_plan::graph::Graph;
 use enfilade_plan::hidden::Hidden;
+use enfilade_plan::kinds::{self, Thing};
 use enfilade_plan::labels::{self, Label};
 use enfilade_plan::markers;
 use enfilade_plan::outline::SOLID_ACROSS_M;
@@ -101,8 +102,12 @@ pub struct Understood {
     pub interior: Option<Interior>,
     /// Doors and windows, where the file calls them so.
     pub openings: Vec<NamedOpening>,
-    /// Texts of the drawing.
+    /// Texts of the drawing, attributes too.
     pub texts: Vec<Text>,
+    /// What stands in the rooms and tells what they are for.
+    pub things: Vec<Thing>,
+    /// Outlines of a building's spaces with what they are called, drawing frame.
+    pub spaces: Vec<(Vec<PointUm>, String)>,
     /// What closes doors and windows when it is asked what lies inside.
     pub closings: Vec<Segment>,
     /// For every wall of the plan the index of its entity; filled areas come behind what is drawn.
@@ -251,6 +256,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let left_out = left_out(&plan, drawing);
     let labels = labels::labels(&plan, drawing, &fittings);
     let entities = sensed::entities_of_walls(&plan, drawing);
+    let (things, spaces) = (kinds::find_things(drawing, &plan), building::named_spaces(drawing, &plan));
     let base = Understood {
         plan,
         graph,
@@ -263,7 +269,9 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         moves,
         interior,
         openings,
-        texts: drawing.texts.clone(),
+        texts: drawing.texts.iter().chain(&drawing.tags).cloned().collect(),
+        things,
+        spaces,
         closings,
         entities,
         marked,

@@ -15,6 +15,7 @@ pub mod floor;
 pub mod frame;
 pub mod graph;
 pub mod hidden;
+pub mod kinds;
 pub mod labels;
 mod leaves;
 pub mod markers;

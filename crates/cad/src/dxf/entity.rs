@@ -9,7 +9,7 @@ use super::fields::{
 };
 use super::reader::Reader;
 use super::text::{plain_mtext, plain_text};
-use crate::drawing::{Editable, Shape, Vertex};
+use crate::drawing::{Editable, Shape, SourceRef, Text, Vertex};
 use enfilade_report::{Error, Severity};
 
 /// What a record draws, in the coordinates of its block or of model space.
@@ -483,6 +483,22 @@ impl<'a> Reader<'a, '_> {
         let raw = fields.pair(1).map_or(&b""[..], |p| self.tokens.raw(p));
         let text = plain_text(&self.page.decode(raw)).trim().to_owned();
         Ok(Ok(Body::Text(map.transform_point2(at.truncate()), text)))
+    }
+
+    /// The attributes that an INSERT of a layer shows, each on a layer that is named as its tag; what cannot be read of them
+    /// is left out.
+    pub fn tags(&self, insert: usize, layer: u32) -> Vec<Text> {
+        let one = |record: usize| {
+            let fields = Fields::of(self.tokens, record);
+            let flag = |code: i32| self.int(&fields, code, 0).unwrap_or(0);
+            let body = self.text(&fields).ok()?.and_then(|body| self.checked(body)).ok()?;
+            let Body::Text(at, text) = body else { return None };
+            let tag = self.page.decode(fields.value(2)?);
+            let is_shown = flag(70) & 1 == 0 && flag(60) == 0 && !text.is_empty();
+            let source = SourceRef { layer: tag.clone(), ..self.source(record, layer) };
+            is_shown.then_some(Text { source, layer: tag, at, text })
+        };
+        attributes(self.tokens, insert).filter_map(one).collect()
     }
 
     fn mtext(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {

@@ -34,9 +34,11 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     blocks.measure(&mut reader, &items)?;
     let (mut entities, mut texts) =
         (Vec::with_capacity(items.len().min(options.limits.max_entities)), Vec::new());
+    let mut tags: Vec<Text> = Vec::new();
     for item in items {
         refuse_many(file, entities.len() + reader.fills.len(), options)?;
         if let Body::Insert(_) = item.body {
+            tags.extend(reader.tags(item.record, item.layer));
             blocks.show(&mut reader, &item, (&mut entities, &mut texts))?;
             continue;
         }
@@ -78,6 +80,8 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         slots: Vec::new(),
         bearing: Default::default(),
         things: Vec::new(),
+        tags,
+        called: Vec::new(),
         widths: reader.widths,
         singles: Default::default(),
         north_deg: 0.0,

@@ -10,7 +10,8 @@ use super::pieces::{of_record, record};
 use super::scene::{File, Shown};
 use super::{ReadOptions, marks, twin, upright, values};
 use crate::drawing::{
-    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, Single, SourceRef, Text, Unit, Vertex,
+    Called, Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, Single, SourceRef, Text, Unit,
+    Vertex,
 };
 use crate::ifc::ZONE_LAYER;
 use crate::region::{Region, slice};
@@ -104,6 +105,8 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         slots: Vec::new(),
         bearing: Default::default(),
         things: Vec::new(),
+        tags: Vec::new(),
+        called: called(&scene, &bodies, [floor, floor + above]),
         widths: Default::default(),
         singles: singles(&bodies),
         north_deg: 0.0,
@@ -112,6 +115,18 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         written: Default::default(),
         fills: Vec::new(),
     })
+}
+
+/// What stands between two heights and is no wall, by the names of its nodes.
+fn called(scene: &File<'_>, bodies: &[Body<'_>], [low, high]: [f64; 2]) -> Vec<Called> {
+    let is_here = |b: &&Body<'_>| !b.is_wall && b.layer != SPACE_LAYER && b.low < high && b.high > low;
+    let one = |b: &Body<'_>| {
+        let name = b.shown.names(scene).rev().find(|n| !n.is_empty())?;
+        let class = if b.layer.starts_with("Ifc") { b.layer.as_str() } else { "" };
+        let points = b.triangles.iter().flatten().map(|p| p.truncate());
+        Some(Called { words: format!("{name} {class}"), extent: crate::plane::box_of(points)? })
+    };
+    bodies.iter().filter(is_here).filter_map(one).collect()
 }
 
 /// Doors and windows by the wall in which they sit, records: where the IFC beside the scene says so, and the wall is a node

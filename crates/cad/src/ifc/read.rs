@@ -714,6 +714,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 });
             }
         }
+        let things = super::structure::things(self.b, [self.floor, self.cut]);
         Drawing {
             file: self.b.file.into(),
             format: Format::Ifc,
@@ -730,7 +731,9 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             marked: self.marked,
             idle_marks: self.idle_marks,
             bearing: super::structure::of_storey(self.b, self.storey, self.cut),
-            things: super::structure::things(self.b, [self.floor, self.cut]),
+            called: super::structure::called(self.b, &things),
+            things,
+            tags: Vec::new(),
             widths: Default::default(),
             singles: Default::default(),
             undrawn: Vec::new(),

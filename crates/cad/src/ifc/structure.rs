@@ -8,7 +8,10 @@ use rayon::prelude::*;
 use super::footprint::{Footprint, StandingWall};
 use super::model::{Product, pairs, product};
 use super::read::Building;
+use super::step::Value;
 use crate::bearing::{Bearing, by_name};
+use crate::drawing::Called;
+use crate::plane::box_of;
 
 /// What closes the gap between a wall and the one over it: a floor, metres.
 const FLOOR_M: f64 = 0.6;
@@ -107,6 +110,42 @@ pub(super) fn things(b: &Building<'_, '_>, between: [f64; 2]) -> Vec<(usize, Vec
         slices.into_iter().flat_map(Footprint::into_rings).map(|r| (p.id as usize, r)).collect::<Vec<_>>()
     };
     all.par_iter().flat_map_iter(one).collect()
+}
+
+/// What the file calls the things on a floor, each with the box of its outlines.
+pub(super) fn called(b: &Building<'_, '_>, things: &[(usize, Vec<DVec2>)]) -> Vec<Called> {
+    let types: HashMap<u64, u64> = pairs(b.step, "IFCRELDEFINESBYTYPE", 5, 4)
+        .into_iter()
+        .flat_map(|(kind, many)| many.into_iter().map(move |m| (m, kind)))
+        .collect();
+    let mut boxes: BTreeMap<usize, [DVec2; 2]> = BTreeMap::new();
+    for (record, ring) in things {
+        let Some([lo, hi]) = box_of(ring.iter().copied()) else { continue };
+        let of = boxes.entry(*record).or_insert([lo, hi]);
+        *of = [of[0].min(lo), of[1].max(hi)];
+    }
+    let of = |(record, extent): (usize, [DVec2; 2])| {
+        let id = record as u64;
+        let said = [Some(id), types.get(&id).copied()].into_iter().flatten();
+        let words: Vec<String> = said.flat_map(|id| said_of(b, id)).collect();
+        Called { words: words.join(" "), extent }
+    };
+    boxes.into_iter().map(of).collect()
+}
+
+/// The name of an instance, the type that it is told to be, and its class.
+fn said_of(b: &Building<'_, '_>, id: u64) -> Vec<String> {
+    let args = b.step.args(id);
+    let text = |k: usize| args.get(k).and_then(|a| b.step.text(a));
+    let predefined = args.last().and_then(|a| match &a.value {
+        Value::Enum(name) => Some(name.clone()),
+        _ => None,
+    });
+    // The last text is the type in words: of an occurrence the fifth, of a type the ninth.
+    let in_words = if args.len() > 8 { text(8).or_else(|| text(4)) } else { text(4) };
+    let class = b.step.keyword(id).to_lowercase();
+    let class = class.strip_prefix("ifc").map(str::to_owned);
+    [text(2), in_words, predefined, class].into_iter().flatten().collect()
 }
 
 /// Lowest and highest point of a product that need not be among those of the model.

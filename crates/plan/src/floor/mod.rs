@@ -11,7 +11,7 @@ use glam::DVec2;
 
 use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
 use enfilade_engine::interior::Interior;
-pub use names::name_of_rooms;
+pub use names::{name_in, name_of_rooms, texts_in_rooms};
 
 /// What is smaller than this is no room, m² of a person; or nowhere farther than this from what bounds it, metres.
 const ROOM_MIN_M2: f64 = 0.4;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::Area;
 use crate::frame::Frame;
+use crate::kinds::kind_of_name;
 use enfilade_cad::drawing::Text;
 use enfilade_cad::own_layers;
 use enfilade_engine::geometry::{PointUm, Side, side_of_ring};
@@ -23,7 +24,7 @@ pub fn name_of_rooms(rooms: &[Area], texts: &[Text], frame: &Frame) -> Vec<Optio
     for text in texts.iter().filter(|t| !own_layers::is_own(&t.layer)) {
         let Some(name) = name_in(&text.text) else { continue };
         let at = frame.um_from_file(text.at);
-        if let Some(room) = rooms.iter().position(|r| is_in(r, at)) {
+        if let Some(room) = rooms.iter().position(|r| r.holds(at)) {
             let far = middle(&rooms[room])
                 .map_or(f64::MAX, |m| ((m[0] - at[0]) as f64).hypot((m[1] - at[1]) as f64));
             layers.entry(&text.layer).or_default().entry(room).or_default().push((far, name));
@@ -40,21 +41,56 @@ pub fn name_of_rooms(rooms: &[Area], texts: &[Text], frame: &Frame) -> Vec<Optio
     (0..rooms.len()).map(|room| layers.iter().find_map(|named| nearest(named.get(&room)?))).collect()
 }
 
-/// The name in a text: its first line that is no number, area or mark.
-fn name_in(text: &str) -> Option<String> {
+/// Everything that is written in each room, marks of ours left out.
+pub fn texts_in_rooms(rooms: &[Area], texts: &[Text], frame: &Frame) -> Vec<Vec<String>> {
+    let mut out = vec![Vec::new(); rooms.len()];
+    for text in texts.iter().filter(|t| !own_layers::is_own(&t.layer)) {
+        let at = frame.um_from_file(text.at);
+        if let Some(room) = rooms.iter().position(|r| r.holds(at)) {
+            out[room].extend(text.text.lines().map(|l| l.trim().to_owned()));
+        }
+    }
+    out
+}
+
+/// Longest line that is looked up among the words for rooms, letters.
+const LOOKED_UP_MAX: usize = 40;
+
+/// The name in a text: its first line that is no number, area or mark. A short one has to be a word for a room: `WC`.
+pub fn name_in(text: &str) -> Option<String> {
     let is_name = |line: &&str| {
         let letters = line.chars().filter(|c| c.is_alphabetic()).count();
         let digits = line.chars().filter(char::is_ascii_digit).count();
         let is_written_out = letters >= LETTERS_MIN && letters > digits;
-        is_written_out || line.chars().any(|c| c.is_alphabetic() && !c.is_ascii() && u32::from(c) > 0x2e80)
+        let is_known = || letters > 1 && line.len() <= LOOKED_UP_MAX && kind_of_name(line).is_some();
+        let is_joined = || line.chars().any(|c| c.is_alphabetic() && !c.is_ascii() && u32::from(c) > 0x2e80);
+        is_written_out || is_joined() || is_known()
     };
-    text.lines().map(str::trim).find(is_name).map(str::to_owned)
+    text.lines().map(str::trim).find(is_name).map(|line| without_area(line).to_owned())
 }
 
-fn is_in(room: &Area, at: PointUm) -> bool {
-    room.outline.len() > 2
-        && side_of_ring(&room.outline, at) == Side::Inside
-        && room.holes.iter().all(|h| side_of_ring(h, at) == Side::Outside)
+/// Units of areas as they stand behind a room's name, lower case.
+const AREAS: [&str; 9] = ["m2", "m²", "m^2", "㎡", "qm", "mq", "sqm", "sqft", "sf"];
+
+/// A line without the area at its end: `WC 3.0 m²`.
+fn without_area(line: &str) -> &str {
+    let lower = line.to_lowercase();
+    let Some(unit) = AREAS.iter().find(|u| lower.ends_with(**u)).filter(|_| lower.len() == line.len()) else {
+        return line;
+    };
+    let number = line[..line.len() - unit.len()].trim_end();
+    let head = number.trim_end_matches(|c: char| c.is_ascii_digit() || matches!(c, '.' | ','));
+    let name = head.trim_end_matches(|c: char| c.is_whitespace() || "=:(,;-–/".contains(c));
+    if head.len() < number.len() && name.chars().any(char::is_alphabetic) { name } else { line }
+}
+
+impl Area {
+    /// Whether a point lies in it.
+    pub fn holds(&self, at: PointUm) -> bool {
+        self.outline.len() > 2
+            && side_of_ring(&self.outline, at) == Side::Inside
+            && self.holes.iter().all(|h| side_of_ring(h, at) == Side::Outside)
+    }
 }
 
 fn middle(room: &Area) -> Option<PointUm> {
@@ -80,6 +116,15 @@ mod tests {
             ("W-02", None),
             ("14,20 mq", None),
             ("2.45", None),
+            ("WC", Some("WC")),
+            ("WC 3.0 m2", Some("WC")),
+            ("WC\n3.0 m²", Some("WC")),
+            ("Bad: 12,50 m²", Some("Bad")),
+            ("Kü", Some("Kü")),
+            ("BR 2", Some("BR 2")),
+            ("T3", None),
+            ("A2", None),
+            ("EI 30", None),
         ] {
             assert_eq!(name_in(text).as_deref(), name, "{text}");
         }

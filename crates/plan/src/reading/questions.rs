@@ -8,6 +8,7 @@ use super::RoleSense;
 use crate::Plan;
 use crate::axes::{AxisGraph, OpeningKind};
 use crate::floor::Floor;
+use crate::kinds::{RoomKind, RoomKindFound};
 use enfilade_cad::drawing::Unit;
 use enfilade_cad::units::UNITS;
 
@@ -71,6 +72,15 @@ pub enum Question {
         /// Its size, m².
         area_m2: f64,
     },
+    /// What is this room for?
+    Room {
+        /// Its number, from 1.
+        number: usize,
+        /// Its size, m².
+        area_m2: f64,
+        /// What it is taken for.
+        kind: RoomKind,
+    },
 }
 
 /// A correction that answers a question.
@@ -88,6 +98,8 @@ pub enum Correction {
     Inside(DVec2),
     /// `outside`, drawing units.
     Outside(DVec2),
+    /// `rooms`: the room's number and its kind.
+    Room(usize, RoomKind),
 }
 
 /// A question and how sure the reading is of what it asks.
@@ -110,6 +122,9 @@ impl Question {
                 vec![Correction::Wall(selector.clone()), Correction::NotWall(selector)]
             }
             Self::Floor { at, .. } => vec![Correction::Outside(*at), Correction::Inside(*at)],
+            Self::Room { number, kind, .. } => {
+                [*kind, instead_of(*kind)].map(|kind| Correction::Room(*number, kind)).to_vec()
+            }
         }
     }
 }
@@ -152,6 +167,42 @@ pub fn questions(
     found.sort_by_key(|(_, d)| !matches!(d.question, Question::Unit { .. }));
     found.truncate(QUESTIONS_MAX);
     found.into_iter().map(|f| f.1).collect()
+}
+
+/// Most questions about rooms at a time.
+const ROOM_QUESTIONS_MAX: usize = 3;
+
+/// What is no larger decides nothing: no opening into it brings anything, m² of the plan.
+const DECIDING_M2: f64 = 5.0;
+
+/// A guess at a room's kind is right about so often.
+const GUESS_SURE: f64 = 0.6;
+
+/// What a room of which a kind is guessed most likely is else: public where the guess is private, and the other way round.
+fn instead_of(kind: RoomKind) -> RoomKind {
+    match kind {
+        RoomKind::Bedroom => RoomKind::Living,
+        RoomKind::Living | RoomKind::Dining | RoomKind::Kitchen => RoomKind::Bedroom,
+        RoomKind::Bath | RoomKind::Wc => RoomKind::Kitchen,
+        RoomKind::Hall | RoomKind::Corridor => RoomKind::Storage,
+        RoomKind::Office => RoomKind::Storage,
+        _ => RoomKind::Office,
+    }
+}
+
+/// What should be asked about rooms without a name, of which the kind is a guess: the largest first. Areas in m² of the
+/// plan; these questions hold nothing up but what depends on the kinds of rooms.
+pub fn room_questions(rooms: &[(f64, bool, &RoomKindFound)]) -> Vec<Doubt> {
+    let is_asked = |(area_m2, is_named, found): &(f64, bool, &RoomKindFound)| {
+        !is_named && !found.is_sure && found.kind != RoomKind::Other && *area_m2 >= DECIDING_M2
+    };
+    let mut asked: Vec<_> = rooms.iter().enumerate().filter(|(_, room)| is_asked(room)).collect();
+    asked.sort_by(|a, b| b.1.0.total_cmp(&a.1.0));
+    let doubt = |(k, (area_m2, _, found)): (usize, &(f64, bool, &RoomKindFound))| Doubt {
+        confidence: GUESS_SURE,
+        question: Question::Room { number: k + 1, area_m2: *area_m2, kind: found.kind },
+    };
+    asked.into_iter().take(ROOM_QUESTIONS_MAX).map(doubt).collect()
 }
 
 fn unit(plan: &Plan, axes: &AxisGraph) -> Option<Doubt> {
@@ -254,6 +305,28 @@ mod tests {
         let walls = walls.map(|confidence| (RoleSense { role: Role::Wall, confidence }, 10.0));
         let axes = AxisGraph { thicknesses: vec![(0.2, 20.0)], ..AxisGraph::default() };
         questions(plan, &axes, &walls, floor, settled)
+    }
+
+    #[test]
+    fn unsure_rooms_without_a_name_are_asked_the_largest_first() {
+        let found = |kind, is_sure| RoomKindFound { kind, is_sure, evidence: Vec::new(), dwelling: None };
+        let (bedroom, living) = (found(RoomKind::Bedroom, false), found(RoomKind::Living, false));
+        let sure = found(RoomKind::Bath, true);
+        let rooms = [
+            (12.3, false, &bedroom),
+            (25.0, true, &living),
+            (6.0, false, &sure),
+            (21.0, false, &living),
+            (3.0, false, &bedroom),
+        ];
+        let asked: Vec<Question> = room_questions(&rooms).into_iter().map(|d| d.question).collect();
+        let room = |number, area_m2, kind| Question::Room { number, area_m2, kind };
+        assert_eq!(asked, [room(4, 21.0, RoomKind::Living), room(1, 12.3, RoomKind::Bedroom)]);
+        assert_eq!(
+            asked[1].corrections(),
+            [Correction::Room(1, RoomKind::Bedroom), Correction::Room(1, RoomKind::Living)]
+        );
+        assert_eq!(room_questions(&[(9.0, false, &bedroom); 7]).len(), ROOM_QUESTIONS_MAX);
     }
 
     #[test]
