@@ -7,11 +7,14 @@ use std::collections::BTreeSet;
 
 use toml::{Table, Value};
 
-use super::Input;
-use super::fits;
-use super::round::{edits_of, tied};
-use super::ruler::ruler;
-use super::study::{self, Understood, marked};
+use crate::Input;
+use crate::measure::ruler::ruler;
+use crate::measure::study;
+use crate::measure::study::Understood;
+use crate::understand::fits;
+use crate::understand::marked;
+use crate::write::made::edits_of;
+use crate::write::made::tied;
 use enfilade_cad::drawing::{Format, Unit};
 use enfilade_cad::units::unit_by_name;
 use enfilade_config::{

@@ -4,30 +4,14 @@
 //! inputs; nothing here touches a disk.
 
 pub mod accept;
-mod aims;
-mod asked;
-mod backend;
-mod building;
-pub mod cells;
-mod estimate;
-mod explain;
-mod fits;
-pub mod geojson;
-mod graph;
-mod lattices;
-mod memory;
-mod page;
-mod reading;
+mod confirm;
+mod measure;
 pub mod resolution;
 mod round;
-mod ruler;
-mod rules;
-mod sensed;
-mod show;
-mod spacing;
+mod search;
 mod storeys;
-mod study;
-mod traces;
+mod understand;
+mod write;
 
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -44,9 +28,14 @@ use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
 use enfilade_overlay::result::{self, AnalysisResult, CheckResult};
 use enfilade_overlay::{HeatMap, Palette, PlanPicture, Scale, check_png, glossary, heat_map_png};
 use enfilade_report::{Cancel, Error, OutFile, Place, Report, counted};
-pub use fits::moves_of;
-pub use memory::Keep;
-pub use study::{LatticeAt, Study, Use, read_options};
+pub use measure::cells;
+pub use measure::study::{LatticeAt, Study, Use, read_options};
+use measure::{aims, backend, estimate, study};
+pub use search::memory::Keep;
+pub use understand::fits::moves_of;
+use understand::{building, sensed};
+pub use write::geojson;
+use write::{graph, reading, show};
 
 /// A drawing to work on.
 #[derive(Clone, Debug)]

@@ -8,8 +8,11 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use super::study::{self, Study};
-use super::{Event, Input, Outcome, Progress, estimate, show, spacing};
+use crate::measure::study;
+use crate::measure::study::Study;
+use crate::measure::{estimate, spacing};
+use crate::write::show;
+use crate::{Event, Input, Outcome, Progress};
 use enfilade_config::Settings;
 use enfilade_engine::lattice::floor_on_walls;
 use enfilade_overlay::chart::{Panel, resolution_png};
@@ -121,9 +124,9 @@ pub fn resolution(
     show: &mut (dyn FnMut(Event) + Send),
     cancel: &Cancel,
 ) -> Result<Outcome<ResolutionResult>, Error> {
-    let settings = &*super::building::on_storey_of_query(input, settings)?;
+    let settings = &*crate::understand::building::on_storey_of_query(input, settings)?;
     let mut report = Report::default();
-    super::state_unread(input, settings, &mut report);
+    crate::state_unread(input, settings, &mut report);
     let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
     let series = series(&base, options, input.file())?;
     let samples = sampled(&base.moves.bounds(), options.samples, settings.seed);

@@ -1,38 +1,35 @@
 //! One round: search, verify, write.
 
-mod bounded;
-mod budget;
-mod confirmed;
-mod doors;
-mod elsewhere;
-mod files;
-mod found;
-mod ideas;
-mod joints;
-mod judged;
-mod leaving;
-mod made;
-mod named;
-mod overlaps;
-mod refined;
-mod sound;
-mod stripped;
-mod told;
-mod withheld;
-
+use crate::confirm::elsewhere;
+use crate::search::budget;
+use crate::write::doors;
+use crate::write::files;
+use crate::write::joints;
+use crate::write::leaving;
+use crate::write::overlaps;
+use crate::write::told;
 use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::asked;
-use super::memory::Memory;
-use super::ruler::ruler;
-use super::sensed::Sensed;
-use super::show;
-use super::study::{Study, Use, Worth};
-use super::{Event, Input, Outcome, Progress};
-use super::{aims, fits, lattices, rules};
-use budget::Allowance;
+pub(crate) use crate::confirm::found::Found;
+use crate::confirm::found::found;
+use crate::confirm::ideas::Experience;
+use crate::measure::look::Use;
+use crate::measure::ruler::ruler;
+use crate::measure::study::Study;
+use crate::measure::study::Worth;
+use crate::measure::{aims, lattices};
+use crate::search::budget::Allowance;
+use crate::search::judged::{distances, evaluation, is_firm, nearest, objectives, pinned};
+use crate::search::memory::Memory;
+use crate::search::rules;
+use crate::understand::fits;
+use crate::understand::sensed::Sensed;
+use crate::write::asked;
+use crate::write::made::{Made, changes, make};
+use crate::write::show;
+use crate::{Event, Input, Outcome, Progress};
 use enfilade_config::{Aim, Held, Method, Mode, Settings, Thresholds, Unsure};
 use enfilade_moves::Parameter;
 use enfilade_moves::control::{Control, LIKE_SHARE};
@@ -42,13 +39,6 @@ use enfilade_overlay::result::{
 use enfilade_overlay::words;
 use enfilade_report::{Cancel, Error, OutFile, Place, Report};
 use enfilade_search::{Evaluation, Search};
-pub(super) use found::Found;
-use found::found;
-use ideas::Experience;
-pub(super) use judged::hidden;
-use judged::{distances, evaluation, is_firm, nearest, objectives, pinned};
-use made::{Made, changes, make};
-pub(super) use made::{edits_of, tied};
 
 /// Layouts that are asked for at once. Part of the search's definition, not of the machine: the same
 /// on any number of threads.
@@ -60,23 +50,23 @@ pub const BATCH: usize = 2;
 pub const PENALTY_FREE: f64 = 0.05;
 
 /// Objectives as the user and as the search know them.
-pub(super) type Aims = [(Aim, enfilade_search::Objective)];
+pub(crate) type Aims = [(Aim, enfilade_search::Objective)];
 
 /// What a search works with.
-pub(super) struct Brief<'a> {
+pub(crate) struct Brief<'a> {
     /// The drawing.
-    input: &'a Input<'a>,
+    pub(crate) input: &'a Input<'a>,
     /// On the lattice that is shown.
-    study: &'a Study,
+    pub(crate) study: &'a Study,
     /// On the lattices that are searched on; the same one where the problem is bare.
-    trial: &'a Study,
-    settings: &'a Settings,
-    control: &'a Control,
-    objectives: &'a Aims,
+    pub(crate) trial: &'a Study,
+    pub(crate) settings: &'a Settings,
+    pub(crate) control: &'a Control,
+    pub(crate) objectives: &'a Aims,
 }
 
 /// Whether a search is the bare problem: one lattice, options by the distance of their parameters.
-fn is_bare(settings: &Settings) -> bool {
+pub(crate) fn is_bare(settings: &Settings) -> bool {
     settings.raw || settings.method == Method::Paper
 }
 
@@ -84,7 +74,7 @@ fn is_bare(settings: &Settings) -> bool {
 const PROGRESS_EVERY_MS: u128 = 50;
 
 /// Searches and makes the files of the round.
-pub(super) fn run(
+pub(crate) fn run(
     input: &Input<'_>,
     settings: &Settings,
     study: &Study,
@@ -196,9 +186,9 @@ fn round(
     files.extend(files::drawings(input, settings, study, &shown, &result)?);
     files.push(OutFile::new("convergence.png", files::convergence(found)?));
     files.push(OutFile::new("diversity.png", files::diversity(study, &made)?));
-    let understood = super::check_picture(&study.base, sensed)?;
+    let understood = crate::check_picture(&study.base, sensed)?;
     let maps = show::maps(study);
-    let page = super::page::page(input, settings, &result, (&files, &maps), &understood, found);
+    let page = crate::write::page::page(input, settings, &result, (&files, &maps), &understood, found);
     files.push(OutFile::new("report.html", page));
     files.push(OutFile::new("result.json", result::to_json(&result)?));
     files.extend(files::lying_beside(settings, &files));
@@ -304,7 +294,7 @@ fn optimise(
 const RULE_BROKEN: f64 = 1.0;
 
 /// What vectors of free parameters are worth.
-fn measured(brief: &Brief<'_>, vectors: &[Vec<f64>]) -> Vec<Evaluation> {
+pub(crate) fn measured(brief: &Brief<'_>, vectors: &[Vec<f64>]) -> Vec<Evaluation> {
     let Brief { study, trial, settings, control, objectives, .. } = *brief;
     let layouts: Vec<Vec<f64>> = vectors.iter().map(|p| control.expand(p)).collect();
     let worths = trial.measure_all(&layouts);
@@ -427,7 +417,7 @@ fn round_result(
         settings: settings_map,
         counts: show::counts(study, study.edges),
         spacing_m: study.spacing_m,
-        lattice_centre: super::lattice_centre(study),
+        lattice_centre: crate::lattice_centre(study),
         initial,
         moves,
         objectives: found.map_or(Vec::new(), |f| f.objectives.clone()),
@@ -477,7 +467,7 @@ fn candidate(
 }
 
 /// What is gained, in words: what was confirmed, else what was measured on the lattice shown.
-fn gains_words(study: &Study, initial: &Numbers, mean: &Numbers, gain: &Gains) -> String {
+pub(crate) fn gains_words(study: &Study, initial: &Numbers, mean: &Numbers, gain: &Gains) -> String {
     if gain.is_empty() {
         words::gains(&told(study, initial), &told(study, mean))
     } else {

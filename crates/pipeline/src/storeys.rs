@@ -1,8 +1,11 @@
 //! The other storeys of a building: each checked and measured by itself, in a folder of its own.
 
-use super::sensed::Sensed;
-use super::study::Understood;
-use super::{Input, Study, analyse_storey, building, check_picture, show, study};
+use crate::measure::study;
+use crate::measure::study::Understood;
+use crate::understand::building;
+use crate::understand::sensed::Sensed;
+use crate::write::show;
+use crate::{Input, Study, analyse_storey, check_picture};
 use enfilade_cad::{Opened, StoreyInfo};
 use enfilade_config::Settings;
 use enfilade_overlay::result::{BuildingEntry, Numbers, ProblemEntry, StoreyEntry};
@@ -77,7 +80,7 @@ fn failed(storey: &StoreyInfo, error: &Error) -> StoreyEntry {
 }
 
 /// What a building has, and every storey where it has several; adds `storey-N/check.png` to `files`.
-pub(super) fn check(
+pub(crate) fn check(
     opened: &Opened<'_>,
     settings: &Settings,
     shown: &Understood,
@@ -92,7 +95,7 @@ pub(super) fn check(
     let drawings = opened.read_all(&options);
     let others: Vec<_> = others.zip(&drawings).collect();
     let is_drawn = files.is_some();
-    let made = super::rayon_map(&others, |(own, (drawing, report))| {
+    let made = crate::rayon_map(&others, |(own, (drawing, report))| {
         let mut report = report.clone();
         let drawing = drawing.as_ref().map_err(Clone::clone)?;
         let base = study::understood(drawing, own, &mut report)?;
@@ -136,7 +139,7 @@ fn building_entry(e: enfilade_cad::ifc::Elements) -> BuildingEntry {
 ///
 /// # Errors
 /// [`Error::Stopped`].
-pub(super) fn analyse(
+pub(crate) fn analyse(
     input: &Input<'_>,
     settings: &Settings,
     shown: &Study,

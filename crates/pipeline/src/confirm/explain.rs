@@ -1,0 +1,203 @@
+//! Why an option is good: which of its moves bring the gain, how far it stands from the others, and what
+//! it gave up.
+
+use rayon::prelude::*;
+
+use crate::measure::study::{Study, divisor};
+use enfilade_moves::control::{Breach, Control};
+use enfilade_overlay::result::{Explanation, Numbers, Objective, Part, Sense};
+use enfilade_search::normalised_distance;
+
+/// Moves of an option that are tried without, the largest first: each costs a measurement.
+const TRIED: usize = 8;
+/// Moves that are told.
+const TOLD: usize = 3;
+/// A move that brings less than this share of the gain is not told.
+const SMALLEST_SHARE: f64 = 0.05;
+
+/// Objective values of a parameter vector, in the order of the objectives.
+pub type Measured<'a> = dyn Fn(&[f64]) -> Vec<f64> + Sync + 'a;
+
+/// Explains the option `index` among all, each given by its full parameters.
+pub fn explain(
+    study: &Study,
+    control: &Control,
+    objectives: &[Objective],
+    options: &[Vec<f64>],
+    index: usize,
+    measured: &Measured<'_>,
+) -> Explanation {
+    let bounds = study.base.moves.bounds();
+    let p = &options[index];
+    let others = options.iter().enumerate().filter(|(i, _)| *i != index);
+    let nearest = others
+        .map(|(i, o)| (i + 1, normalised_distance(&bounds, p, o)))
+        .reduce(|a, b| if b.1 < a.1 { b } else { a });
+    let values = measured(p);
+    Explanation {
+        breaks: Vec::new(),
+        parts: parts(study, control, objectives, p, &values, measured),
+        from_present: normalised_distance(&bounds, p, &study.base.moves.identity()),
+        nearest: nearest.map(|n| n.0),
+        from_nearest: nearest.map(|n| n.1),
+        kept: kept(objectives, &values),
+    }
+}
+
+/// For every objective but the penalty, the share of the best gain found that the option keeps.
+fn kept(objectives: &[Objective], values: &[f64]) -> Numbers {
+    let share = |(o, v): (&Objective, &f64)| Some((o.name.clone(), gained(o, *v)?));
+    Numbers::of(objectives.iter().zip(values).filter_map(share))
+}
+
+/// The share of the best gain found; none for penalties and where nothing was gained.
+fn gained(o: &Objective, value: f64) -> Option<f64> {
+    let best = o.best?;
+    let reach = if o.sense == Sense::Max { best - o.initial } else { o.initial - best };
+    let own = if o.sense == Sense::Max { value - o.initial } else { o.initial - value };
+    (o.name != "penalty" && reach > 0.0).then(|| own / reach)
+}
+
+/// Leaves one move out after the other and measures what of the gain is lost.
+fn parts(
+    study: &Study,
+    control: &Control,
+    objectives: &[Objective],
+    p: &[f64],
+    values: &[f64],
+    measured: &Measured<'_>,
+) -> Vec<Part> {
+    let gain = |values: &[f64]| total_gain(objectives, values);
+    let whole = gain(values);
+    if whole <= 0.0 {
+        return Vec::new();
+    }
+    let is_unlinked = control.breaches(p).iter().any(|b| matches!(b, Breach::Links(_)));
+    let mut out: Vec<Part> =
+        if is_unlinked { without_groups(study, p) } else { without_units(study, control, p) }
+            .into_par_iter()
+            .map(|(name, groups, rest)| Part { name, groups, lost: (whole - gain(&measured(&rest))) / whole })
+            .collect();
+    out.retain(|part| part.lost >= SMALLEST_SHARE);
+    out.sort_by(|a, b| b.lost.total_cmp(&a.lost));
+    out.truncate(TOLD);
+    out
+}
+
+/// Name, number of groups, and the layout without them, of every unit that moves, what is linked together, the largest first.
+fn without_units(study: &Study, control: &Control, p: &[f64]) -> Vec<(String, u64, Vec<f64>)> {
+    let (q, start, bounds) = (control.reduce(p), control.start(), control.bounds());
+    let share = |unit: &(Vec<usize>, usize)| {
+        let of = |&k: &usize| (q[k] - start[k]).abs() / (bounds[k][1] - bounds[k][0]).max(f64::MIN_POSITIVE);
+        unit.0.iter().map(of).fold(0.0, f64::max)
+    };
+    let mut moved: Vec<&(Vec<usize>, usize)> = control.units().iter().filter(|u| share(u) > 0.0).collect();
+    moved.sort_by(|a, b| share(b).total_cmp(&share(a)));
+    moved.truncate(TRIED);
+    let without = |unit: &&(Vec<usize>, usize)| {
+        let mut rest = q.clone();
+        unit.0.iter().for_each(|&k| rest[k] = start[k]);
+        let name = study.base.moves.parameters[control.parameter(unit.0[0])].group_name.clone();
+        (name, unit.1 as u64, control.expand(&rest))
+    };
+    moved.iter().map(without).collect()
+}
+
+/// The same of every group by itself: of a pinned layout that does not keep the links, which would put what follows elsewhere.
+fn without_groups(study: &Study, p: &[f64]) -> Vec<(String, u64, Vec<f64>)> {
+    let moves = &study.base.moves;
+    let (identity, bounds) = (moves.identity(), moves.bounds());
+    let mut groups: Vec<usize> = moves.parameters.iter().map(|m| m.group).collect();
+    groups.dedup();
+    let of = |group: usize| (0..p.len()).filter(move |&k| moves.parameters[k].group == group);
+    let share = |group: usize| {
+        let part =
+            |k: usize| (p[k] - identity[k]).abs() / (bounds[k][1] - bounds[k][0]).max(f64::MIN_POSITIVE);
+        of(group).map(part).fold(0.0, f64::max)
+    };
+    groups.retain(|&g| share(g) > 0.0);
+    groups.sort_by(|&a, &b| share(b).total_cmp(&share(a)));
+    groups.truncate(TRIED);
+    let without = |&group: &usize| {
+        let mut rest = p.to_vec();
+        of(group).for_each(|k| rest[k] = identity[k]);
+        let name = of(group).next().map_or_else(String::new, |k| moves.parameters[k].group_name.clone());
+        (name, 1, rest)
+    };
+    groups.iter().map(without).collect()
+}
+
+/// What is smaller, as a share of the present value, nobody would call a gain.
+pub const LEAST_GAIN: f64 = 0.005;
+
+/// What is gained over the present value, as a share of it; where that is 0, as a score's, as it is.
+pub fn relative_gain(is_more_better: bool, now: f64, present: f64) -> f64 {
+    let gain = if is_more_better { now - present } else { present - now };
+    gain / divisor(present)
+}
+
+/// The relative gain in every objective but the penalty.
+fn relative_gains<'a>(objectives: &'a [Objective], values: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+    let aims = objectives.iter().zip(values).filter(|(o, _)| o.name != "penalty");
+    aims.map(|(o, v)| relative_gain(o.sense == Sense::Max, *v, o.initial))
+}
+
+/// Sum of the gains over the present layout: the order in which options are shown.
+pub fn total_gain(objectives: &[Objective], values: &[f64]) -> f64 {
+    relative_gains(objectives, values).sum()
+}
+
+/// Whether a layout is worth showing: it gains something in an objective, and, unless the user's own
+/// thresholds decide (`is_firm`), not less than it loses in the others. A score is as large as `score_weight`, the
+/// largest of its weights, makes it.
+pub fn is_better(objectives: &[Objective], values: &[f64], is_firm: bool, score_weight: f64) -> bool {
+    let least = |o: &Objective| LEAST_GAIN * if o.name == "score" { score_weight.min(1.0) } else { 1.0 };
+    let aims = objectives.iter().filter(|o| o.name != "penalty");
+    let mut gains = relative_gains(objectives, values).zip(aims.clone());
+    let gains_somewhere = gains.any(|(g, o)| g > 0.0 && g >= least(o));
+    let has_aims = objectives.iter().any(|o| o.name != "penalty");
+    // Who is content with anything that is no worse gets it.
+    let is_all_wanted = is_firm && aims.into_iter().all(|o| o.threshold == 0.0);
+    !has_aims || is_all_wanted || gains_somewhere && (is_firm || total_gain(objectives, values) > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layout_is_better_by_what_it_gains() {
+        let of = |name: &str, sense, initial| Objective {
+            name: name.into(),
+            sense,
+            threshold: 0.7,
+            initial,
+            best: Some(initial),
+            free: None,
+            reachable: Some(initial),
+            limit: Some(initial),
+        };
+        let three =
+            [of("penalty", Sense::Min, 0.0), of("degree", Sense::Max, 400.0), of("depth", Sense::Min, 2.0)];
+        for (degree, depth, better, firm) in [
+            (440.0, 2.0, true, true),
+            (400.0, 1.9, true, true),
+            // Gains 10 % and loses 20 %: only who set the thresholds may want it.
+            (440.0, 2.4, false, true),
+            // As drawn, or nearly.
+            (400.0, 2.0, false, false),
+            (401.0, 2.001, false, false),
+            (380.0, 2.1, false, false),
+        ] {
+            let values = [1e9, degree, depth];
+            assert_eq!(is_better(&three, &values, false, 1.0), better, "{values:?}");
+            assert_eq!(is_better(&three, &values, true, 1.0), firm, "{values:?}");
+        }
+        let score = [of("score", Sense::Max, 0.0)];
+        assert!(is_better(&score, &[0.3], false, 1.0) && !is_better(&score, &[-0.1], true, 1.0));
+        let small = |value, weight| is_better(&score, &[value], false, weight);
+        assert!(!small(0.004, 1.0) && small(0.004, 0.02) && !small(0.0, 0.0), "as large as its weights");
+        assert!(is_better(&three[..1], &[5.0], false, 1.0), "nothing but a penalty: nothing to judge by");
+        assert!(total_gain(&three, &[0.0, 440.0, 1.9]) > total_gain(&three, &[0.0, 440.0, 2.0]));
+    }
+}

@@ -1,0 +1,759 @@
+//! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
+
+use crate::measure::seen;
+use crate::understand::carrying;
+use crate::understand::gaps;
+use crate::understand::marked;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, OnceLock};
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::measure::aims;
+pub use crate::measure::faults::Faults;
+use crate::measure::faults::Guards;
+pub use crate::measure::look::{LatticeAt, Pair, Use};
+use crate::measure::look::{Look, SeenOn};
+use crate::measure::measuring::Bench;
+use crate::measure::parts::{
+    closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of,
+};
+use crate::measure::seen::Scene;
+pub use crate::measure::seen::Seen;
+use crate::measure::spacing;
+use crate::understand::building;
+use crate::understand::building::NamedOpening;
+use crate::understand::jambs::keeping_doors;
+use crate::understand::marked::{
+    side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves, taken_up,
+};
+use crate::understand::options::plan_options;
+use crate::understand::regions::{add_regions, corrected, state_interior, state_unused_seeds};
+use crate::understand::sensed;
+use enfilade_cad::curve::control_points;
+use enfilade_cad::drawing::{Drawing, Format, Shape, Text};
+use enfilade_cad::ifc;
+use enfilade_cad::layers::WallLayers;
+use enfilade_cad::own_layers;
+use enfilade_cad::plane::box_of;
+use enfilade_cad::units::unit_by_name;
+use enfilade_config::{Aggregate, Aim, Level, Measure, PairName, Penalty, Settings};
+use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
+use enfilade_engine::gpu::Gpu;
+use enfilade_engine::interior::Interior;
+use enfilade_engine::lattice::{CellIndex, Ground};
+use enfilade_engine::{Lattice, Obstacles};
+use enfilade_moves::{Layout, Moves, defaults, say_kept};
+use enfilade_penalties::{Alignment, Clearance, Overlap, Passage, RoomArea, WallLength, WallPiece};
+use enfilade_plan::axes::{AxisGraph, Opening};
+use enfilade_plan::curve::{Trace, trace};
+use enfilade_plan::fittings::{self, Fitting};
+use enfilade_plan::graph::Graph;
+use enfilade_plan::hidden::Hidden;
+use enfilade_plan::labels::{self, Label};
+use enfilade_plan::markers;
+use enfilade_plan::outline::SOLID_ACROSS_M;
+use enfilade_plan::sight::Sight;
+use enfilade_plan::structure::{self, Body};
+use enfilade_plan::{Plan, PlanOptions, Wall, understand, view_box};
+use enfilade_report::{Error, Place, Problem, Report, Severity};
+
+/// Radius r of the clearance penalty (spec 5).
+pub const CLEARANCE_RADIUS_M: f64 = 0.5;
+
+/// Width below which the passage penalty counts, metres: a door that a wheelchair passes.
+pub const PASSAGE_WIDTH_M: f64 = 0.9;
+
+/// A drawing as understood, with what may move; the part of a study that needs no lattice.
+#[derive(Clone, Debug)]
+pub struct Understood {
+    /// The plan.
+    pub plan: Plan,
+    /// Its drawn pieces and where they meet.
+    pub graph: Graph,
+    /// Its walls as axes with thickness, openings, columns.
+    pub axes: AxisGraph,
+    /// Its thick walls, by the control points of their faces.
+    pub bodies: Vec<Body>,
+    /// Which of it stops sight.
+    pub sight: Sight,
+    /// Doors and windows as drawn.
+    pub fittings: Vec<Fitting>,
+    /// Shapes that were not taken as walls, for the picture; whether they are windows or glass by name.
+    pub left_out: Vec<(Trace, bool)>,
+    /// Texts at parts of doors and windows.
+    pub labels: Vec<Label>,
+    /// What may move.
+    pub moves: Moves,
+    /// The building's interior, where it was needed.
+    pub interior: Option<Interior>,
+    /// Doors and windows, where the file calls them so.
+    pub openings: Vec<NamedOpening>,
+    /// Texts of the drawing.
+    pub texts: Vec<Text>,
+    /// What closes doors and windows when it is asked what lies inside.
+    pub closings: Vec<Segment>,
+    /// For every wall of the plan the index of its entity; filled areas come behind what is drawn.
+    pub entities: Vec<usize>,
+    /// For every mark of the axes the index of its entity.
+    pub marked: Vec<usize>,
+}
+
+impl Understood {
+    /// All faces of its walls.
+    pub fn faces(&self) -> Vec<Segment> {
+        faces(&self.plan)
+    }
+}
+
+/// All faces of the walls of a plan.
+fn faces(plan: &Plan) -> Vec<Segment> {
+    let sided = |w: &'_ Wall| w.trace.segments().flat_map(|s| w.with_sides(s.2)).collect::<Vec<_>>();
+    plan.walls.iter().flat_map(sided).collect()
+}
+
+/// How the settings want a file read.
+pub fn read_options(settings: &Settings) -> enfilade_cad::ReadOptions {
+    let sight = if settings.level == Level::Knee { ifc::Sight::Knee } else { ifc::Sight::Eye };
+    enfilade_cad::ReadOptions {
+        accept_missing_eof: settings.accept_missing_eof,
+        storey: settings.storey.clone(),
+        sight,
+        unit: settings.unit.as_deref().and_then(unit_by_name),
+        is_by_user: !settings.wall_layers.is_empty(),
+        is_glass_wall: is_glass_wall(settings),
+        twin: settings.beside.twin.as_ref().map(|t| t.known(|bytes| ifc::inventory(bytes, None))),
+        buffers: settings.beside.buffers.clone(),
+        pictures: settings.beside.pictures.keys().cloned().collect(),
+    }
+}
+
+/// Whether the user names curtain walls as walls.
+fn is_glass_wall(settings: &Settings) -> bool {
+    let layers = WallLayers::new(&settings.wall_layers).ok().filter(WallLayers::is_by_user);
+    layers.is_some_and(|l| l.reason("IfcCurtainWall").is_some())
+}
+
+/// Reads and understands a drawing.
+///
+/// # Errors
+/// What [`enfilade_cad::read`] and [`understand`] return; [`Error::Usage`] for settings that do not fit the drawing.
+pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) -> Result<Understood, Error> {
+    let drawing = enfilade_cad::read(file, bytes, &read_options(settings), report)?;
+    if let Some(storey) = settings.storey.as_ref().filter(|_| drawing.format == Format::Dxf) {
+        let text = format!("storey {storey:?} was asked for, but a DXF knows no storeys; all of it is read");
+        report.warn("storey-unused", Place::file(file), text);
+    }
+    understood(&drawing, settings, report)
+}
+
+/// Where no wall was read, says why the first could not be, rather than how to name a layer.
+fn with_cause(error: Error, report: &Report) -> Error {
+    const CAUSES: [&str; 3] = ["ifc-element", "gltf-mesh", "unit-doubt"];
+    let mut causes =
+        report.problems.iter().filter(|p| CAUSES.contains(&p.code) && p.severity == Severity::Warning);
+    match (error, causes.next()) {
+        (Error::Input(problem), Some(first)) if problem.code == "no-walls" => {
+            let others = match causes.count() {
+                0 => String::new(),
+                1 => "; 1 more element cannot be read either".into(),
+                n => format!("; {n} more elements cannot be read either"),
+            };
+            let text = format!("no wall can be read: {}{others}; nothing was measured", first.text);
+            Error::Input(Problem { text, place: first.place.clone(), ..problem })
+        }
+        (other, _) => other,
+    }
+}
+
+/// Says which storey has no walls.
+fn within_storey(error: Error, settings: &Settings) -> Error {
+    match (error, &settings.storey) {
+        (Error::Input(problem), Some(storey)) if problem.code == "no-walls" => {
+            Error::Input(Problem { text: format!("storey {storey:?}: {}", problem.text), ..problem })
+        }
+        (other, _) => other,
+    }
+}
+
+/// Understands a drawing that was read.
+///
+/// # Errors
+/// What [`understand`] returns; [`Error::Usage`] for settings that do not fit the drawing.
+pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -> Result<Understood, Error> {
+    let unit = match &settings.unit {
+        Some(name) => Some(unit_by_name(name).ok_or_else(|| {
+            let text = format!("unit, by --unit or a settings file: found {name:?}, expected mm, cm, m, in or ft; nothing was done");
+            Error::usage("unit", Place::default(), text)
+        })?),
+        None => None,
+    };
+    let drawing = &*view_box::within(drawing, settings.view.as_deref());
+    let options = PlanOptions { unit, ..plan_options(settings) };
+    let understood = understand(drawing, &options, report);
+    let mut plan = understood.map_err(|e| within_storey(with_cause(e, report), settings))?;
+    add_regions(&mut plan, settings)?;
+    building::add_spaces(drawing, &mut plan, settings)?;
+    state_unused_seeds(&plan, settings, report);
+    if settings.allow.structure {
+        plan.bearing.clear();
+    }
+    let graph = Graph::new(&plan);
+    let as_drawn = settings.reading.as_drawn == Some(true);
+    let (axes, marked) = if as_drawn { Default::default() } else { structure::axes(&plan, drawing) };
+    let bodies = structure::bodies(&plan, &axes);
+    let mut sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
+    if settings.level == Level::Knee {
+        sight.closed.extend(structure::glass_lines(&plan, drawing, &axes));
+    }
+    sight.close(|wall| building::closes(&plan.walls[wall as usize]));
+    let fittings = fittings::fittings(&plan, drawing, &axes, &marked);
+    let all = faces(&plan);
+    let (mut closings, mut infill) = (Vec::new(), Vec::new());
+    if !as_drawn {
+        closings = building::closings(drawing, &plan);
+        closings.extend(opening_lines(&plan, &axes));
+        infill = structure::infill_lines(&plan, drawing, &axes);
+        closings.extend(&infill);
+    }
+    let interior = Interior::new(&all, &closings, plan.human_scale).map(|i| i.without(&plan.outdoors));
+    let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
+    let interior = corrected(interior, &mut plan, settings, report);
+    if let Some(interior) = interior.as_ref().filter(|_| settings.seed_points.is_empty()) {
+        let is_marked = |p: PointUm| plan.markers.regions().any(|r| r.contains(p));
+        let is_beside = |p: PointUm| !interior.is_at_wall(p) && !interior.is_cavity(p);
+        let side = |p: PointUm| is_beside(p).then(|| interior.contains(p) || is_marked(p));
+        sight.end_outdoors(&closings, plan.human_scale, side);
+    }
+    let known = Known {
+        plan: &plan,
+        graph: &graph,
+        axes: &axes,
+        interior: interior.as_ref(),
+        fittings: &fittings,
+        infill: &infill,
+    };
+    marked::state_idle_keeps(drawing, &plan, report);
+    let moves = moves(drawing, &known, settings, report)?;
+    let openings = building::named_openings(drawing, &plan);
+    let left_out = left_out(&plan, drawing);
+    let labels = labels::labels(&plan, drawing, &fittings);
+    let entities = sensed::entities_of_walls(&plan, drawing);
+    let base = Understood {
+        plan,
+        graph,
+        axes,
+        bodies,
+        sight,
+        fittings,
+        left_out,
+        labels,
+        moves,
+        interior,
+        openings,
+        texts: drawing.texts.clone(),
+        closings,
+        entities,
+        marked,
+    };
+    gaps::state_closed(&base, report);
+    Ok(base)
+}
+
+/// What is known of a plan before its moves.
+struct Known<'a> {
+    plan: &'a Plan,
+    graph: &'a Graph,
+    axes: &'a AxisGraph,
+    interior: Option<&'a Interior>,
+    fittings: &'a [Fitting],
+    /// What is drawn between walls.
+    infill: &'a [Segment],
+}
+
+/// What closes doors, windows and passages: for finding out what lies inside, not for sight.
+fn opening_lines(plan: &Plan, axes: &AxisGraph) -> Vec<Segment> {
+    let um = |p: DVec2| plan.frame.um_from_plan(p * plan.human_scale);
+    let line = |o: &Opening| Segment { a: um(o.jambs[0].at), b: um(o.jambs[1].at) };
+    axes.openings.iter().map(line).collect()
+}
+
+/// Most shapes left out that are kept for the picture.
+const LEFT_OUT_MAX: usize = 20_000;
+
+/// Visible shapes within the plan that are neither walls nor marks of ours.
+fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<(Trace, bool)> {
+    let points = plan.walls.iter().flat_map(|w| &w.trace.points);
+    let Some([lo, hi]) = box_of(points.map(|p| DVec2::new(p[0] as f64, p[1] as f64))) else {
+        return Vec::new();
+    };
+    let hidden = Hidden::new(drawing);
+    let all = drawing.entities.iter().enumerate();
+    let foreign = all.filter(|(_, e)| !own_layers::is_own(&e.layer)).enumerate();
+    let free = foreign.filter(|(k, (_, e))| plan.picked.binary_search(k).is_err() && !hidden.entity(e));
+    let traces = free.map(|(_, (i, e))| (trace(&e.shape, &plan.frame), structure::is_glass(plan, i)));
+    let is_within = |(t, _): &(Trace, bool)| {
+        t.points.iter().all(|p| {
+            let p = DVec2::new(p[0] as f64, p[1] as f64);
+            p.cmpge(lo).all() && p.cmple(hi).all()
+        })
+    };
+    traces.filter(is_within).take(LEFT_OUT_MAX).collect()
+}
+
+fn moves(
+    drawing: &Drawing,
+    known: &Known<'_>,
+    settings: &Settings,
+    report: &mut Report,
+) -> Result<Moves, Error> {
+    let Known { plan, graph, axes, interior, fittings, infill } = *known;
+    let all = (plan, graph, axes, fittings);
+    if !settings.moves.is_empty() {
+        state_passed_over(drawing, plan, &settings.moves, report);
+        let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
+        groups.iter().for_each(|(group, nodes)| say_kept(plan, graph, group, nodes, report));
+        let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
+        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), all, settings, report));
+    }
+    if !drawing.marked.is_empty() && !settings.ignore_move_markers {
+        let stated = building::marked_moves(drawing);
+        let (groups, records) = side_car_groups(drawing, plan, graph, (&stated, false), report)?;
+        if groups.is_empty() {
+            state_unread_marks(drawing.format.marking().moves, plan, report);
+        }
+        let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
+        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), all, settings, report));
+    }
+    if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
+        let moves = Moves::from_markers(plan, graph, axes, report);
+        return Ok(taken_up(moves, plan.markers.groups.iter(), all, settings, report));
+    }
+    if marked::is_any(drawing, plan) && !settings.ignore_move_markers {
+        state_unread_moves(drawing, plan, report);
+        return Ok(Moves::default());
+    }
+    if settings.only_marked {
+        let text = "nothing is marked to move, and only what is marked may: the present layout is measured";
+        report.info("nothing-marked", Place::file(&plan.file), text);
+        return Ok(Moves::default());
+    }
+    match interior {
+        Some(interior) if !settings.ignore_move_markers && settings.reading.as_drawn != Some(true) => {
+            let groups = defaults::groups(plan, graph, axes, (interior, infill, fittings), report);
+            let found = groups.iter().map(|(g, _)| g.clauses.len()).sum();
+            let groups = carrying::whole_moves(plan, graph, axes, fittings, groups, report);
+            let groups = keeping_doors(groups, (plan, graph, axes), report);
+            let groups = carrying::without_structure(plan, graph, axes, groups, report);
+            let mut moves = Moves::new(plan, graph, axes, &groups, report);
+            moves.are_default = true;
+            state_left(&moves, (&groups, found), (plan, graph), report);
+            Ok(moves)
+        }
+        _ => Ok(Moves::default()),
+    }
+}
+
+/// Everything that one layout is worth.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Worth {
+    /// What the unnamed pair of regions sees.
+    pub seen: Seen,
+    /// What the named pairs see, in the order of [`Study::pairs`].
+    pub pairs: Vec<Seen>,
+    /// g_j in the order of [`Penalty::ALL`]: clr² (m⁴), |ΔS| (m), alignment (rad²), overlap (m), passage (m),
+    /// floor that rooms have lost (m²).
+    pub penalties: [f64; 6],
+    /// Length of all walls, m.
+    pub wall_total_m: f64,
+    /// By how much passages have become too narrow, m, for each width asked for; empty where none is.
+    pub passages_m: Vec<f64>,
+    /// Areas of the rooms, m²; empty unless asked for.
+    pub rooms_m2: Vec<f64>,
+    /// The aims of the settings beyond the three means, in the order of [`Study::aims`].
+    pub aims: Vec<f64>,
+    /// clr, m².
+    pub clearance_m2: f64,
+    /// What a builder would refuse.
+    pub faults: Faults,
+    /// (Σ u_i / (|V_q||V|))².
+    pub disconnection: f64,
+    /// Σ u_i / (|V_q||V|).
+    pub cut_off: f64,
+}
+
+impl Worth {
+    /// One penalty g_j.
+    pub fn penalty(&self, penalty: Penalty) -> f64 {
+        self.penalties[Penalty::ALL.iter().position(|p| *p == penalty).unwrap_or(0)]
+    }
+}
+
+/// A study: one drawing with its lattices, ready to measure any layout of its moves. What a layout is worth is the mean
+/// over the lattices; what its cells have is known where there is one.
+pub struct Study {
+    /// What was understood.
+    pub base: Arc<Understood>,
+    /// The cells of the first lattice.
+    pub lattice: Arc<Lattice>,
+    /// Spacing of these cells, metres.
+    pub spacing_m: f64,
+    /// How many roots of trees were asked for; none: every cell is one.
+    pub roots: Option<usize>,
+    /// The present layout.
+    pub initial: Worth,
+    /// Edges of its visibility graph, each pair once.
+    pub edges: u64,
+    /// What is measured beyond the three means.
+    pub aims: Vec<Aim>,
+    /// Never empty.
+    pub(super) looks: Vec<Look>,
+    pub(super) gpu: Option<Arc<Gpu>>,
+    /// Why the graphics card gave up, if it did.
+    pub(super) card_trouble: OnceLock<String>,
+    /// Memory of threads that do not measure at the moment.
+    pub(super) benches: Mutex<Vec<Bench>>,
+    /// Moves with their control points: whether the piece that starts at a control point moves.
+    pub(super) piece_moves: Vec<Vec<bool>>,
+    pub(super) pieces: Vec<WallPiece>,
+    /// For every moving wall the range of its pieces in `pieces`.
+    pub(super) piece_ranges: Vec<(usize, usize)>,
+    pub(super) guards: Guards,
+    pub(super) clearance: Clearance,
+    pub(super) wall_length: WallLength,
+    pub(super) alignment: Alignment,
+    pub(super) overlap: Overlap,
+    pub(super) passages: Vec<Passage>,
+    pub(super) rooms: Option<RoomArea>,
+}
+
+impl Study {
+    /// Lays the lattice and measures the present layout.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when no cell is left or a limit is passed.
+    pub fn new(base: Understood, settings: &Settings, report: &mut Report) -> Result<Self, Error> {
+        Self::from_roots(base, settings, None, report)
+    }
+
+    /// [`Study::new`] for a look at the present layout alone, with breadth-first trees of about so many roots.
+    ///
+    /// # Errors
+    /// As [`Study::new`].
+    pub fn from_roots(
+        base: Understood,
+        settings: &Settings,
+        roots: Option<usize>,
+        report: &mut Report,
+    ) -> Result<Self, Error> {
+        let spacing_m = spacing::choose_m(&base, settings);
+        let spacing_um = (spacing_m * UM_PER_M).round() as i64;
+        let centre_um = settings.lattice_centre_m.unwrap_or_default().map(|v| (v * UM_PER_M).round() as i64);
+        let at = LatticeAt { spacing_um, centre_um };
+        let study = Self::on(
+            Arc::new(base),
+            settings,
+            &[at],
+            (roots.map_or(Use::Search, |n| Use::Roots(n, settings.seed)), spacing_m),
+            report,
+        )?;
+        study.state_blind(report);
+        Ok(study)
+    }
+
+    /// The same study on other lattices; counts of cells are told in cells of this one's first lattice.
+    ///
+    /// # Errors
+    /// As [`Study::new`].
+    pub fn on_lattices(
+        &self,
+        settings: &Settings,
+        lattices: &[LatticeAt],
+        use_for: Use,
+    ) -> Result<Self, Error> {
+        let base = Arc::clone(&self.base);
+        Self::on(base, settings, lattices, (use_for, self.spacing_m), &mut Report::default())
+    }
+
+    /// Measures batches on the graphics card of another study, where that has one and it agrees with the cores here too.
+    pub fn share_card(&mut self, of: &Self) {
+        of.gpu.iter().for_each(|gpu| drop(self.attach(Arc::clone(gpu))));
+    }
+
+    /// What it is for, and the spacing in whose cells counts are told.
+    fn on(
+        base: Arc<Understood>,
+        settings: &Settings,
+        lattices: &[LatticeAt],
+        (use_for, unit_m): (Use, f64),
+        report: &mut Report,
+    ) -> Result<Self, Error> {
+        let piece_moves = piece_moves(&base);
+        let (fixed, fixed_solids) = fixed_parts(&base, &piece_moves);
+        let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
+        let movable = moving_segments(&base, &identity, &piece_moves);
+        let seeds_um: Vec<PointUm> =
+            settings.seed_points.iter().map(|p| base.plan.frame.um_from_file(DVec2::from(*p))).collect();
+        let seed_names: Vec<String> =
+            settings.seed_points.iter().map(|p| format!("{},{}", p[0], p[1])).collect();
+        let ground = |at: &LatticeAt| Ground {
+            file: &base.plan.file,
+            spacing_um: at.spacing_um,
+            centre_um: near(at.centre_um, at.spacing_um, &base.plan),
+            query: &base.plan.markers.query,
+            reference: &base.plan.markers.reference,
+            seeds_um: &seeds_um,
+            seeds_by_cell: settings.reading.as_drawn == Some(true),
+            seed_names: &seed_names,
+            fixed: &fixed,
+            movable: &movable,
+            fixed_solids: &fixed_solids,
+            interior: base.interior.as_ref().filter(|_| base.plan.markers.needs_interior()),
+            solid_across_um: (SOLID_ACROSS_M * base.plan.human_scale * UM_PER_M).round() as i64,
+        };
+        let look = |at: &LatticeAt| {
+            let mut own = Report::default();
+            let look = Look::new(&ground(at), &base, &identity, settings, (use_for, unit_m), &mut own);
+            look.map(|look| (look, own))
+        };
+        let looks: Vec<(Look, Report)> = lattices.par_iter().map(look).collect::<Result<_, _>>()?;
+        let (looks, reports): (Vec<Look>, Vec<Report>) = looks.into_iter().unzip();
+        reports.into_iter().for_each(|own| report.extend(own));
+        let first = &looks[0];
+        let spacing_m = lattices[0].spacing_um as f64 / UM_PER_M;
+        let under = blind(&base, &identity, &first.main.cells, &movable);
+        spacing::state(&base, settings, spacing_m, [first.main.lattice.cells.len(), under.len()], report);
+        state_interior(&base, settings, report);
+        seen::state_asked(&base, &first.pairs, settings, report)?;
+        let (pieces, piece_ranges) = pieces(&base, &identity, &piece_moves);
+        let layout = enfilade_penalties::Layout { pieces: &pieces };
+        let mut study = Self {
+            clearance: Clearance::new(&layout, CLEARANCE_RADIUS_M * base.plan.human_scale),
+            wall_length: WallLength::new(&layout),
+            alignment: Alignment::new(&layout),
+            overlap: Overlap::new(&layout),
+            passages: aims::passages(settings, PASSAGE_WIDTH_M * base.plan.human_scale)
+                .into_iter()
+                .map(|(width_m, place)| {
+                    Passage::new(&layout, width_m, place.map(|name| outlines_of(&base.plan, name)))
+                })
+                .collect(),
+            rooms: aims::asks_for_rooms(settings).then(|| rooms(&base, &layout, report)),
+            guards: Guards::default(),
+            aims: aims::aims(settings),
+            initial: Worth::default(),
+            edges: first.main.edges,
+            lattice: Arc::clone(&first.main.lattice),
+            looks,
+            gpu: None,
+            base: Arc::clone(&base),
+            spacing_m,
+            roots: if let Use::Roots(n, _) = use_for { Some(n) } else { None },
+            card_trouble: OnceLock::new(),
+            benches: Mutex::default(),
+            piece_moves,
+            pieces,
+            piece_ranges,
+        };
+        study.guards = Guards::new(&study, settings);
+        let initial = |look: &Look| {
+            let of = |scene: &Scene| {
+                let obstacles = study.obstacles(&identity, &scene.cells);
+                let blind = obstacles.blind.clone();
+                scene.seen(scene.evaluator.initial().clone(), &blind, || obstacles)
+            };
+            SeenOn { main: of(&look.main), pairs: look.pairs.iter().map(|p| of(&p.scene)).collect() }
+        };
+        let seen = study.looks.par_iter().map(initial).collect();
+        study.initial = study.worth(seen, &study.pieces, &identity);
+        Ok(study)
+    }
+
+    /// The named pairs of regions, on the first lattice.
+    pub fn pairs(&self) -> &[Pair] {
+        &self.looks[0].pairs
+    }
+
+    fn state_blind(&self, report: &mut Report) {
+        let named = self.pairs().iter().zip(&self.initial.pairs).map(|(p, s)| (format!("-{}", p.name), s));
+        let all = std::iter::once((String::new(), &self.initial.seen)).chain(named);
+        for (name, _) in all.filter(|(_, seen)| seen.means.degree == 0.0) {
+            let text = format!(
+                "nobody in the region of query sees any of the region of reference: its degree is 0, and nothing that counts \
+                 what is seen tells layouts apart; \
+                 check where EF-QUERY{name} and EF-REFERENCE{name} stand"
+            );
+            report.warn("query-sees-nothing", Place::file(&self.base.plan.file), text);
+        }
+    }
+
+    /// Change of the room that has lost most, and of the one that has gained most, as shares of their areas.
+    pub fn room_extremes(&self, worth: &Worth) -> [f64; 2] {
+        self.rooms.as_ref().map_or([0.0; 2], |r| r.extremes(&worth.rooms_m2))
+    }
+
+    /// What a layout has of a measure of cells; NaN for `score` and `penalty`.
+    pub fn value(&self, worth: &Worth, aim: Aim) -> f64 {
+        if let Some(i) = self.aims.iter().position(|a| *a == aim) {
+            return worth.aims[i];
+        }
+        let means = &self.seen_of(worth, aim.pair).means;
+        match (aim.measure, aim.aggregate) {
+            (Measure::Degree, Aggregate::Mean) => means.degree,
+            (Measure::Depth, Aggregate::Mean) => means.depth,
+            (Measure::Entropy, Aggregate::Mean) => means.entropy,
+            _ => f64::NAN,
+        }
+    }
+
+    /// What the present layout has of a measure, also of one that is not among the aims; of one lattice.
+    pub fn mean_of_cells(&self, aim: Aim) -> f64 {
+        let known = self.value(&self.initial, aim);
+        if !known.is_nan() {
+            return known;
+        }
+        let values = aims::cell_values(self.seen_of(&self.initial, aim.pair), aim.measure);
+        self.looks[0].told(aim.measure, aims::together(values, aim.aggregate))
+    }
+
+    /// Σ v_j g_j.
+    pub fn penalty(&self, worth: &Worth, settings: &Settings) -> f64 {
+        settings.penalties.iter().map(|(p, v)| v * worth.penalty(*p)).sum()
+    }
+
+    /// Σ w_k (f_k − f_k⁰)/|f_k⁰| − Σ v_j g_j (`interface.md`; divisor 1 where f_k⁰ = 0).
+    pub fn score(&self, worth: &Worth, settings: &Settings) -> f64 {
+        let gain = |(aim, w): &(Aim, f64)| {
+            let zero = self.value(&self.initial, *aim);
+            w * (self.value(worth, *aim) - zero) / divisor(zero)
+        };
+        settings.score.iter().map(gain).sum::<f64>() - self.penalty(worth, settings)
+    }
+
+    /// What blocks sight in the present layout.
+    pub fn initial_obstacles(&self) -> Obstacles {
+        let identity = self.base.moves.apply(&self.base.plan, &self.base.graph, &self.base.moves.identity());
+        self.obstacles(&identity, &self.looks[0].main.cells)
+    }
+
+    /// What blocks sight in a layout, all walls together, and which of some cells it covers.
+    pub(super) fn obstacles(&self, layout: &Layout, cells: &CellIndex) -> Obstacles {
+        let mut traces: Vec<&Trace> = self.base.plan.walls.iter().map(|w| &w.trace).collect();
+        layout.walls.iter().for_each(|moved| traces[moved.wall as usize] = &moved.trace);
+        let walls = traces.into_iter().enumerate();
+        let pieces = walls.flat_map(|(w, t)| pieces_of(t, None).map(move |p| (w as u32, p)));
+        let blocking = pieces.flat_map(|(w, (s, part, _))| self.base.sight.blocking((w, part), s));
+        let segments: Vec<Segment> = blocking.chain(closed_that_stay(&self.base)).collect();
+        Obstacles { blind: blind(&self.base, layout, cells, &segments), segments }
+    }
+
+    /// All pieces of the present layout that can move or not, as segments to show.
+    pub fn all_pieces(&self) -> &[WallPiece] {
+        &self.pieces
+    }
+}
+
+/// Outlines of the regions of a name as they are drawn, metres, plan frame.
+fn outlines_of(plan: &Plan, name: PairName) -> Vec<Vec<DVec2>> {
+    let is_own = |pair: &&markers::Pair| pair.name.parse() == Ok(name);
+    let drawn = plan.markers.pairs.iter().filter(is_own).flat_map(|p| p.query.iter().chain(&p.reference));
+    drawn.map(|r| r.outline().into_iter().map(|p| plan.frame.plan_from_um(p)).collect()).collect()
+}
+
+/// |f⁰|, or 1 where it is 0.
+pub fn divisor(initial: f64) -> f64 {
+    if initial == 0.0 { 1.0 } else { initial.abs() }
+}
+
+/// How far a door's jamb is closed to either side of the wall's axis, as a share of its thickness.
+const JAMB_SHARE: f64 = 0.52;
+
+/// The rooms of the present layout, doors, windows and passages closed.
+fn rooms(base: &Understood, initial: &enfilade_penalties::Layout<'_>, report: &mut Report) -> RoomArea {
+    let scale = base.plan.human_scale;
+    // Where the ends of a wall's two faces are open, floor would go round the door through the wall.
+    let closed = |o: &Opening| {
+        let [a, b] = o.jambs.each_ref().map(|j| j.at * scale);
+        let across =
+            (b - a).try_normalize().unwrap_or_default().perp() * (o.thickness_m * scale * JAMB_SHARE);
+        [[a, b], [a - across, a + across], [b - across, b + across]]
+    };
+    let closings: Vec<[DVec2; 2]> = base.axes.openings.iter().flat_map(closed).collect();
+    let rooms = RoomArea::new(initial, &closings, scale);
+    let areas: Vec<String> = rooms.initial_m2().iter().map(|a| format!("{a:.1}")).collect();
+    let text = match areas.len() {
+        0 => "no room found: the walls and the doors between them enclose no floor; room-area has nothing to keep"
+            .to_owned(),
+        n => format!("rooms, with doors and passages closed: {n}, of {} m²", areas.join(", ")),
+    };
+    report.info("rooms", Place::file(&base.plan.file), text);
+    rooms
+}
+
+/// The lattice centre moved by whole cells near the drawing, so that cell numbers stay small.
+fn near(centre_um: PointUm, spacing_um: i64, plan: &Plan) -> PointUm {
+    let o = plan.frame.origin_um;
+    [0, 1].map(|k| centre_um[k] + (o[k] - centre_um[k]).div_euclid(spacing_um) * spacing_um)
+}
+
+/// Vertices covered by what can move and has a body, solids and thick walls, and those that its lines touch: they
+/// are no floor, so they count in no mean and are not cut off. What stays touches none, or its vertices were dropped.
+pub(crate) fn blind(base: &Understood, layout: &Layout, cells: &CellIndex, segments: &[Segment]) -> Vec<u32> {
+    let shapes: BTreeMap<u32, &Shape> = layout.walls.iter().map(|w| (w.wall, &w.shape)).collect();
+    let mut out = Vec::new();
+    for wall in layout.walls.iter().filter(|w| base.plan.walls[w.wall as usize].is_solid) {
+        cells.vertices_in(&wall.trace.points, &mut out);
+    }
+    cover_bodies(base, &|w| shapes.get(&w).copied(), cells, &mut out);
+    layout.walls.iter().for_each(|w| cover_wide(base, w.wall, &w.trace, cells, &mut out));
+    segments.iter().for_each(|s| cells.vertices_on(*s, &mut out));
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
+/// Adds the vertices that moving thick walls cover; `shape` says where a moving wall stands.
+pub(crate) fn cover_bodies<'a>(
+    base: &'a Understood,
+    shape: &impl Fn(u32) -> Option<&'a Shape>,
+    cells: &CellIndex,
+    out: &mut Vec<u32>,
+) {
+    let moves = |w: u32| base.moves.walls.binary_search(&w).is_ok();
+    for body in base.bodies.iter().filter(|b| b.corners.iter().any(|h| moves(h.0))) {
+        let ring = body.ring(|(w, c)| {
+            let shape = shape(w).unwrap_or(&base.plan.walls[w as usize].shape);
+            base.plan.frame.um_from_file(control_points(shape)[c as usize])
+        });
+        if let Some(ring) = ring {
+            cells.vertices_in(&ring, out);
+        }
+    }
+}
+
+fn pieces(
+    base: &Understood,
+    identity: &Layout,
+    piece_moves: &[Vec<bool>],
+) -> (Vec<WallPiece>, Vec<(usize, usize)>) {
+    let mut out = Vec::new();
+    let mut ranges = vec![(0, 0); identity.walls.len()];
+    let bars = structure::thick_walls(&base.axes);
+    for (w, wall) in base.plan.walls.iter().enumerate() {
+        let moving = base.moves.walls.binary_search(&(w as u32)).ok();
+        let start = out.len();
+        let nodes = &base.graph.trace_nodes[w];
+        let parts = pieces_of(&wall.trace, moving.map(|i| &piece_moves[i])).map(|p| (p.1, p.2));
+        for ((i, j, s), (part, is_moving)) in wall.trace.segments().zip(parts) {
+            let [a, b] = [s.a, s.b].map(|p| base.plan.frame.plan_from_um(p));
+            let solid = base.plan.walls[w].is_solid.then_some(w as u32);
+            let bar = bars.get(&(w as u32, part)).copied();
+            out.push(WallPiece { a, b, nodes: [nodes[i], nodes[j]], is_moving, solid, bar });
+        }
+        if let Some(i) = moving {
+            ranges[i] = (start, out.len());
+        }
+    }
+    (out, ranges)
+}
