@@ -3,16 +3,17 @@
 //! The drawing gets the moves and nothing else; what the next round needs to know (moves with the
 //! bounds that are left, settings, where it came from) stands in its side-car.
 
+use crate::read;
+use crate::understand::understood;
 use std::collections::BTreeSet;
 
 use toml::{Table, Value};
 
-use crate::Input;
+use crate::job::Input;
 use crate::measure::ruler::ruler;
-use crate::measure::study;
-use crate::measure::study::Understood;
 use crate::understand::fits;
 use crate::understand::marked;
+use crate::understand::understood::Understood;
 use crate::write::made::edits_of;
 use crate::write::made::tied;
 use enfilade_cad::drawing::{Format, Unit};
@@ -104,7 +105,11 @@ pub fn accept(
         })?;
     let settings = Settings { beside, ..settings };
     let mut report = Report::default();
-    let base = study::read(input.file(), &input.bytes, &settings, &mut report)?;
+    let base = understood(
+        &read::drawing(input.file(), &input.bytes, &settings, &mut report)?,
+        &settings,
+        &mut report,
+    )?;
     if base.moves.parameters.len() != parameters.len() {
         let text = format!(
             "{origin} has {}, the drawing {}; run it again",
@@ -118,7 +123,7 @@ pub fn accept(
         Error::input("parameters", place().entity(name), text)
     })?;
     let layout = base.moves.apply(&base.plan, &base.graph, parameters);
-    let options = study::read_options(&settings);
+    let options = read::read_options(&settings);
     let mut edits = edits_of(&base, &layout);
     edits.extend(tied(input, &settings, &base, &edits)?.following.into_iter().map(|f| f.edit));
     let drawing = enfilade_cad::patch(input.file(), &input.bytes, &options, &edits, &[])?;
@@ -170,7 +175,11 @@ fn moves_again(
     let text = toml::to_string(side_car).map_err(toml_failed)?;
     let again =
         Settings { beside: settings.beside.clone(), ..Settings::new(Partial::from_toml("", &text)?)? };
-    let base = study::read(input.file(), drawing, &again, &mut Report::default())?;
+    let base = understood(
+        &read::drawing(input.file(), drawing, &again, &mut Report::default())?,
+        &again,
+        &mut Report::default(),
+    )?;
     Ok(fits::known_moves(&base))
 }
 

@@ -5,7 +5,9 @@
 
 pub mod accept;
 mod confirm;
+mod job;
 mod measure;
+mod read;
 pub mod resolution;
 mod round;
 mod search;
@@ -13,12 +15,10 @@ mod storeys;
 mod understand;
 mod write;
 
-use std::borrow::Cow;
-use std::sync::OnceLock;
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
+use sha2::Digest;
 
 use enfilade_cad::Opened;
 use enfilade_config::{PairName, Settings};
@@ -28,130 +28,18 @@ use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
 use enfilade_overlay::result::{self, AnalysisResult, CheckResult};
 use enfilade_overlay::{HeatMap, Palette, PlanPicture, Scale, check_png, glossary, heat_map_png};
 use enfilade_report::{Cancel, Error, OutFile, Place, Report, counted};
+pub use job::{Event, Input, Keep, Outcome, Progress, on_threads};
 pub use measure::cells;
-pub use measure::study::{LatticeAt, Study, Use, read_options};
-use measure::{aims, backend, estimate, study};
-pub use search::memory::Keep;
+pub use measure::look::{LatticeAt, Use};
+pub use measure::study::Study;
+use measure::{aims, backend, estimate};
+pub use read::read_options;
+use read::state_unread;
 pub use understand::fits::moves_of;
-use understand::{building, sensed};
+use understand::sensed;
+use understand::{understood, understood::Understood};
 pub use write::geojson;
 use write::{graph, reading, show};
-
-/// A drawing to work on.
-#[derive(Clone, Debug)]
-pub struct Input<'a> {
-    /// Path as the user would name it; its last part is shown in places.
-    pub path: &'a str,
-    /// The file without result layers of ours (a candidate used as the new plan has some).
-    pub bytes: Cow<'a, [u8]>,
-    /// The file as it lies on disk.
-    whole: &'a [u8],
-    sha256: OnceLock<String>,
-    /// Number of the round that is made, from 1; shown only.
-    pub round: u64,
-    /// What an earlier start of the same job handed out as [`Event::Keep`], in order; empty: nothing.
-    pub earlier: &'a [u8],
-}
-
-impl<'a> Input<'a> {
-    /// Takes a file's bytes.
-    pub fn new(path: &'a str, bytes: &'a [u8], round: u64) -> Self {
-        let plain = enfilade_cad::plain(path, bytes);
-        Self { path, bytes: plain, whole: bytes, sha256: OnceLock::new(), round, earlier: &[] }
-    }
-
-    /// Digest of the file as it lies on disk, lower-case hexadecimal; made when first asked for.
-    pub fn sha256(&self) -> &str {
-        let of = || Sha256::digest(self.whole).iter().map(|b| format!("{b:02x}")).collect();
-        self.sha256.get_or_init(of)
-    }
-
-    /// Digest of the file without the time at which it was written: see [`enfilade_cad::timeless`].
-    pub fn content(&self) -> String {
-        enfilade_cad::timeless(std::path::Path::new(self.path), self.whole)
-    }
-
-    /// With what an earlier start of the same job handed out.
-    pub fn going_on_from(self, earlier: &'a [u8]) -> Self {
-        Self { earlier, ..self }
-    }
-
-    /// Name to show.
-    pub fn file(&self) -> &'a str {
-        self.path.rsplit(['/', '\\']).next().unwrap_or(self.path)
-    }
-}
-
-/// How far a job is: the line of `--progress json`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Progress {
-    /// `read`, `measure`, `optimise: degree`, `write` …
-    pub stage: String,
-    /// Steps done of this stage.
-    pub done: u64,
-    /// Steps of this stage, if known.
-    pub total: Option<u64>,
-    /// Layouts measured.
-    pub evaluations: u64,
-    /// Best value so far of what the stage optimises.
-    pub best: Option<f64>,
-    /// Parameters of the layout that has it, in the order of the moves table.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub best_parameters: Option<Vec<f64>>,
-    /// Seconds left, if known.
-    pub eta_secs: Option<f64>,
-    /// Where the best so far was just written.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub folder: Option<String>,
-}
-
-/// What a running job says.
-#[derive(Clone, Debug)]
-pub enum Event {
-    /// It got on.
-    Progress(Progress),
-    /// The heat maps of the present layout, to be shown before the search ends: files of `analysis/`.
-    Analysis(Vec<OutFile>),
-    /// The best so far of a search that goes on: files as of a round.
-    SoFar {
-        /// The files.
-        files: Vec<OutFile>,
-        /// How far the search was; its stage is `so-far`.
-        progress: Progress,
-    },
-    /// To be kept until the job is done: given back as [`Input::earlier`], it spares measuring again.
-    Keep(Keep),
-}
-
-/// A finished job.
-#[derive(Clone, Debug)]
-pub struct Outcome<T> {
-    /// What it found.
-    pub result: T,
-    /// Files of the folder it makes.
-    pub files: Vec<OutFile>,
-    /// What was left out or assumed.
-    pub report: Report,
-}
-
-/// Runs a job on as many threads as the settings say.
-///
-/// # Errors
-/// [`Error::Environment`] when the threads cannot be started; what the job returns.
-pub fn on_threads<T: Send>(
-    settings: &Settings,
-    job: impl FnOnce() -> Result<T, Error> + Send,
-) -> Result<T, Error> {
-    let threads = settings.threads.unwrap_or(0);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
-        Error::environment(
-            "threads",
-            Default::default(),
-            format!("{threads} threads could not be started: {e}"),
-        )
-    })?;
-    pool.install(job)
-}
 
 /// What [`check_with`] makes besides its result.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -179,12 +67,12 @@ pub fn check_with(
     settings: &Settings,
     extras: Extras,
 ) -> Result<Outcome<CheckResult>, Error> {
-    let settings = &*building::on_storey_of_query(input, settings)?;
+    let settings = &*read::query::on_storey_of_query(input, settings)?;
     let mut report = Report::default();
     state_unread(input, settings, &mut report);
     let opened = Opened::new(input.file(), &input.bytes)?;
-    let drawing = opened.read(&study::read_options(settings), &mut report)?;
-    let base = study::understood(&drawing, settings, &mut report)?;
+    let drawing = opened.read(&read::read_options(settings), &mut report)?;
+    let base = understood(&drawing, settings, &mut report)?;
     let mut result = show::check(&base, &report);
     let sensed = sensed::Sensed::new(&base, settings);
     result.reading = Some(reading::reading(&base, &drawing, &sensed));
@@ -202,22 +90,7 @@ pub fn check_with(
     Ok(Outcome { result, files, report })
 }
 
-/// Says what lies beside the drawing, was meant as its settings, and is not read; and which storey was taken for the
-/// settings.
-fn state_unread(input: &Input<'_>, settings: &Settings, report: &mut Report) {
-    if let Some(why) = &settings.storey_taken {
-        report.info("storey-of-query", Place::file(input.file()), why.as_str());
-    }
-    for (found, right) in &settings.unread {
-        let text = format!(
-            "{found} lies beside it and is not read: settings of this drawing are read from a file named {right}; \
-             rename it"
-        );
-        report.warn("side-car-name", Place::file(input.file()), text);
-    }
-}
-
-fn check_picture(base: &study::Understood, sensed: &sensed::Sensed) -> Result<Vec<u8>, Error> {
+fn check_picture(base: &Understood, sensed: &sensed::Sensed) -> Result<Vec<u8>, Error> {
     let picture = show::check_picture(base, sensed, &reading::names(base, sensed));
     check_png(&picture, &base.plan.file, &reading::headline(base, sensed).words(), DEFAULT_SIDE_PX)
 }
@@ -246,7 +119,7 @@ pub fn analyse_from(
     understood: &mut (dyn FnMut() + Send),
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
-    let settings = &*building::on_storey_of_query(input, settings)?;
+    let settings = &*read::query::on_storey_of_query(input, settings)?;
     let (mut outcome, study) = analyse_storey(input, settings, roots, understood, cancel)?;
     if roots.is_none() {
         outcome.result.estimate = estimate::present(&study, settings);
@@ -320,7 +193,7 @@ pub fn measure(
     understood: &mut (dyn FnMut() + Send),
     cancel: &Cancel,
 ) -> Result<(Study, Report), Error> {
-    measure_storey(input, &*building::on_storey_of_query(input, settings)?, roots, understood, cancel)
+    measure_storey(input, &*read::query::on_storey_of_query(input, settings)?, roots, understood, cancel)
 }
 
 /// A study of the storey, and what there is to say of it.
@@ -333,7 +206,11 @@ fn measure_storey(
 ) -> Result<(Study, Report), Error> {
     let mut report = Report::default();
     state_unread(input, settings, &mut report);
-    let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
+    let base = understand::understood(
+        &read::drawing(input.file(), &input.bytes, settings, &mut report)?,
+        settings,
+        &mut report,
+    )?;
     understood();
     cancel.check()?;
     let mut study = Study::from_roots(base, settings, roots, &mut report)?;
@@ -526,7 +403,7 @@ pub fn run(
     cancel: &Cancel,
 ) -> Result<Outcome<result::RoundResult>, Error> {
     show(Event::Progress(Progress { stage: "read".into(), ..Default::default() }));
-    let settings = &*building::on_storey_of_query(input, settings)?;
+    let settings = &*read::query::on_storey_of_query(input, settings)?;
     let mut understood = || show(Event::Progress(Progress { stage: "measure".into(), ..Default::default() }));
     let (mut analysis, study) = analyse_storey(input, settings, None, &mut understood, cancel)?;
     show(Event::Analysis(analysis.files.clone()));

@@ -1,11 +1,15 @@
 //! The other storeys of a building: each checked and measured by itself, in a folder of its own.
 
-use crate::measure::study;
-use crate::measure::study::Understood;
+use crate::analyse_storey;
+use crate::check_picture;
+use crate::job::Input;
+use crate::measure::study::Study;
+use crate::read;
 use crate::understand::building;
 use crate::understand::sensed::Sensed;
+use crate::understand::understood;
+use crate::understand::understood::Understood;
 use crate::write::show;
-use crate::{Input, Study, analyse_storey, check_picture};
 use enfilade_cad::{Opened, StoreyInfo};
 use enfilade_config::Settings;
 use enfilade_overlay::result::{BuildingEntry, Numbers, ProblemEntry, StoreyEntry};
@@ -39,7 +43,7 @@ fn main_of(
     list: &[(StoreyInfo, String, Settings)],
     settings: &Settings,
 ) -> Option<usize> {
-    let main = enfilade_cad::main_storey(found, study::read_options(settings).cut_m())?;
+    let main = enfilade_cad::main_storey(found, read::read_options(settings).cut_m())?;
     let folder = folder_of(main);
     list.iter().position(|(_, own, _)| *own == folder)
 }
@@ -87,18 +91,18 @@ pub(crate) fn check(
     mut files: Option<&mut Vec<OutFile>>,
     report: &mut Report,
 ) -> (Option<BuildingEntry>, Vec<StoreyEntry>) {
-    let (found, elements) = opened.building(&study::read_options(settings));
+    let (found, elements) = opened.building(&read::read_options(settings));
     let list = others(&found, settings);
     let main = main_of(&found, &list, settings);
     let others = list.iter().enumerate().filter(|(i, _)| Some(*i) != main).map(|(_, (_, _, own))| own);
-    let options: Vec<_> = others.clone().map(study::read_options).collect();
+    let options: Vec<_> = others.clone().map(read::read_options).collect();
     let drawings = opened.read_all(&options);
     let others: Vec<_> = others.zip(&drawings).collect();
     let is_drawn = files.is_some();
     let made = crate::rayon_map(&others, |(own, (drawing, report))| {
         let mut report = report.clone();
         let drawing = drawing.as_ref().map_err(Clone::clone)?;
-        let base = study::understood(drawing, own, &mut report)?;
+        let base = understood(drawing, own, &mut report)?;
         let png = is_drawn.then(|| check_picture(&base, &Sensed::new(&base, own))).transpose()?;
         Ok((png, base, report))
     });
@@ -147,7 +151,7 @@ pub(crate) fn analyse(
     report: &mut Report,
     cancel: &Cancel,
 ) -> Result<Vec<StoreyEntry>, Error> {
-    let found = enfilade_cad::storeys(input.file(), &input.bytes, &study::read_options(settings));
+    let found = enfilade_cad::storeys(input.file(), &input.bytes, &read::read_options(settings));
     let list = others(&found, settings);
     let main = main_of(&found, &list, settings);
     let mut out = Vec::new();
@@ -178,6 +182,7 @@ mod tests {
     use std::fmt::Write as _;
 
     use super::*;
+    use crate::read;
     use enfilade_config::Partial;
 
     /// A tower: one wall a storey.
@@ -209,7 +214,7 @@ mod tests {
     fn a_tower_has_its_lowest_storeys_measured() {
         let settings = Settings::new(Partial::default()).unwrap();
         let found =
-            |n: usize| enfilade_cad::storeys("t.ifc", tower(n).as_bytes(), &study::read_options(&settings));
+            |n: usize| enfilade_cad::storeys("t.ifc", tower(n).as_bytes(), &read::read_options(&settings));
         let count = |n: usize| others(&found(n), &settings).len();
         assert_eq!((count(1), count(3), count(STOREYS_MAX + 2)), (0, 3, STOREYS_MAX));
     }

@@ -1,6 +1,6 @@
 //! Whether a layout of default moves can be offered: what only the file and all its doors say.
 
-use crate::measure::study;
+use crate::read;
 use crate::round::Brief;
 use crate::write::made::{edits_of, tied};
 use enfilade_moves::narrowed::Doors;
@@ -23,6 +23,6 @@ pub(crate) fn is_sound(brief: &Brief<'_>, parameters: &[f64]) -> bool {
     let Ok(tied) = tied(input, settings, base, &edits) else { return true };
     edits.extend(tied.following.into_iter().map(|f| f.edit));
     // What cannot be written is told when it is.
-    let changes = enfilade_cad::changes(input.file(), &input.bytes, &study::read_options(settings), &edits);
+    let changes = enfilade_cad::changes(input.file(), &input.bytes, &read::read_options(settings), &edits);
     changes.map_or(true, |c| c.unseen.is_empty())
 }

@@ -1,6 +1,7 @@
 //! `--backend`: what measures the layouts. All give the same bits; the report says which did, and why.
 
-use crate::{Input, Study};
+use crate::job::Input;
+use crate::measure::study::Study;
 use enfilade_config::Backend;
 use enfilade_engine::gpu::{Gpu, Refusal};
 use enfilade_report::{Place, Report};

@@ -1,6 +1,8 @@
 //! What a builder would refuse of a layout, whatever it gains.
 
-use crate::measure::study::{PASSAGE_WIDTH_M, Study, Understood};
+use crate::measure::study::PASSAGE_WIDTH_M;
+use crate::measure::study::Study;
+use crate::understand::understood::Understood;
 use enfilade_config::{Held, Penalty, Settings};
 use enfilade_moves::Layout;
 use enfilade_moves::opened::Joints;

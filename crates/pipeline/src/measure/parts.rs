@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use crate::measure::study::{Study, Understood};
+use crate::measure::study::Study;
+use crate::understand::understood::Understood;
 use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_engine::lattice::CellIndex;
 use enfilade_moves::Layout;

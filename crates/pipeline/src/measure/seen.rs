@@ -5,7 +5,9 @@
 use std::sync::Arc;
 
 use crate::measure::look::{Look, Pair, SeenOn, Use};
-use crate::measure::study::{Study, Understood, blind};
+use crate::measure::study::Study;
+use crate::measure::study::blind;
+use crate::understand::understood::Understood;
 use enfilade_config::{Measure, PairName, Settings, Source};
 use enfilade_engine::evaluator::{Evaluator, Scratch};
 use enfilade_engine::geometry::UM_PER_M;

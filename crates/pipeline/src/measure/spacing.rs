@@ -4,7 +4,7 @@
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::float::simplify::SimplifyShape;
 
-use crate::measure::study::Understood;
+use crate::understand::understood::Understood;
 use enfilade_config::Settings;
 use enfilade_engine::Region;
 use enfilade_engine::geometry::{PointUm, UM_PER_M};

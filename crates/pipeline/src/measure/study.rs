@@ -1,9 +1,7 @@
 //! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
 
 use crate::measure::seen;
-use crate::understand::carrying;
-use crate::understand::gaps;
-use crate::understand::marked;
+use crate::understand::understood::Understood;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -22,338 +20,29 @@ use crate::measure::parts::{
 use crate::measure::seen::Scene;
 pub use crate::measure::seen::Seen;
 use crate::measure::spacing;
-use crate::understand::building;
-use crate::understand::building::NamedOpening;
-use crate::understand::jambs::keeping_doors;
-use crate::understand::marked::{
-    side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves, taken_up,
-};
-use crate::understand::options::plan_options;
-use crate::understand::regions::{add_regions, corrected, state_interior, state_unused_seeds};
-use crate::understand::sensed;
+use crate::understand::regions::state_interior;
 use enfilade_cad::curve::control_points;
-use enfilade_cad::drawing::{Drawing, Format, Shape, Text};
-use enfilade_cad::ifc;
-use enfilade_cad::layers::WallLayers;
-use enfilade_cad::own_layers;
-use enfilade_cad::plane::box_of;
-use enfilade_cad::units::unit_by_name;
-use enfilade_config::{Aggregate, Aim, Level, Measure, PairName, Penalty, Settings};
+use enfilade_cad::drawing::Shape;
+use enfilade_config::{Aggregate, Aim, Measure, PairName, Penalty, Settings};
 use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
 use enfilade_engine::gpu::Gpu;
-use enfilade_engine::interior::Interior;
 use enfilade_engine::lattice::{CellIndex, Ground};
 use enfilade_engine::{Lattice, Obstacles};
-use enfilade_moves::{Layout, Moves, defaults, say_kept};
+use enfilade_moves::Layout;
 use enfilade_penalties::{Alignment, Clearance, Overlap, Passage, RoomArea, WallLength, WallPiece};
-use enfilade_plan::axes::{AxisGraph, Opening};
-use enfilade_plan::curve::{Trace, trace};
-use enfilade_plan::fittings::{self, Fitting};
-use enfilade_plan::graph::Graph;
-use enfilade_plan::hidden::Hidden;
-use enfilade_plan::labels::{self, Label};
+use enfilade_plan::Plan;
+use enfilade_plan::axes::Opening;
+use enfilade_plan::curve::Trace;
 use enfilade_plan::markers;
 use enfilade_plan::outline::SOLID_ACROSS_M;
-use enfilade_plan::sight::Sight;
-use enfilade_plan::structure::{self, Body};
-use enfilade_plan::{Plan, PlanOptions, Wall, understand, view_box};
-use enfilade_report::{Error, Place, Problem, Report, Severity};
+use enfilade_plan::structure::{self};
+use enfilade_report::{Error, Place, Report};
 
 /// Radius r of the clearance penalty (spec 5).
 pub const CLEARANCE_RADIUS_M: f64 = 0.5;
 
 /// Width below which the passage penalty counts, metres: a door that a wheelchair passes.
 pub const PASSAGE_WIDTH_M: f64 = 0.9;
-
-/// A drawing as understood, with what may move; the part of a study that needs no lattice.
-#[derive(Clone, Debug)]
-pub struct Understood {
-    /// The plan.
-    pub plan: Plan,
-    /// Its drawn pieces and where they meet.
-    pub graph: Graph,
-    /// Its walls as axes with thickness, openings, columns.
-    pub axes: AxisGraph,
-    /// Its thick walls, by the control points of their faces.
-    pub bodies: Vec<Body>,
-    /// Which of it stops sight.
-    pub sight: Sight,
-    /// Doors and windows as drawn.
-    pub fittings: Vec<Fitting>,
-    /// Shapes that were not taken as walls, for the picture; whether they are windows or glass by name.
-    pub left_out: Vec<(Trace, bool)>,
-    /// Texts at parts of doors and windows.
-    pub labels: Vec<Label>,
-    /// What may move.
-    pub moves: Moves,
-    /// The building's interior, where it was needed.
-    pub interior: Option<Interior>,
-    /// Doors and windows, where the file calls them so.
-    pub openings: Vec<NamedOpening>,
-    /// Texts of the drawing.
-    pub texts: Vec<Text>,
-    /// What closes doors and windows when it is asked what lies inside.
-    pub closings: Vec<Segment>,
-    /// For every wall of the plan the index of its entity; filled areas come behind what is drawn.
-    pub entities: Vec<usize>,
-    /// For every mark of the axes the index of its entity.
-    pub marked: Vec<usize>,
-}
-
-impl Understood {
-    /// All faces of its walls.
-    pub fn faces(&self) -> Vec<Segment> {
-        faces(&self.plan)
-    }
-}
-
-/// All faces of the walls of a plan.
-fn faces(plan: &Plan) -> Vec<Segment> {
-    let sided = |w: &'_ Wall| w.trace.segments().flat_map(|s| w.with_sides(s.2)).collect::<Vec<_>>();
-    plan.walls.iter().flat_map(sided).collect()
-}
-
-/// How the settings want a file read.
-pub fn read_options(settings: &Settings) -> enfilade_cad::ReadOptions {
-    let sight = if settings.level == Level::Knee { ifc::Sight::Knee } else { ifc::Sight::Eye };
-    enfilade_cad::ReadOptions {
-        accept_missing_eof: settings.accept_missing_eof,
-        storey: settings.storey.clone(),
-        sight,
-        unit: settings.unit.as_deref().and_then(unit_by_name),
-        is_by_user: !settings.wall_layers.is_empty(),
-        is_glass_wall: is_glass_wall(settings),
-        twin: settings.beside.twin.as_ref().map(|t| t.known(|bytes| ifc::inventory(bytes, None))),
-        buffers: settings.beside.buffers.clone(),
-        pictures: settings.beside.pictures.keys().cloned().collect(),
-    }
-}
-
-/// Whether the user names curtain walls as walls.
-fn is_glass_wall(settings: &Settings) -> bool {
-    let layers = WallLayers::new(&settings.wall_layers).ok().filter(WallLayers::is_by_user);
-    layers.is_some_and(|l| l.reason("IfcCurtainWall").is_some())
-}
-
-/// Reads and understands a drawing.
-///
-/// # Errors
-/// What [`enfilade_cad::read`] and [`understand`] return; [`Error::Usage`] for settings that do not fit the drawing.
-pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) -> Result<Understood, Error> {
-    let drawing = enfilade_cad::read(file, bytes, &read_options(settings), report)?;
-    if let Some(storey) = settings.storey.as_ref().filter(|_| drawing.format == Format::Dxf) {
-        let text = format!("storey {storey:?} was asked for, but a DXF knows no storeys; all of it is read");
-        report.warn("storey-unused", Place::file(file), text);
-    }
-    understood(&drawing, settings, report)
-}
-
-/// Where no wall was read, says why the first could not be, rather than how to name a layer.
-fn with_cause(error: Error, report: &Report) -> Error {
-    const CAUSES: [&str; 3] = ["ifc-element", "gltf-mesh", "unit-doubt"];
-    let mut causes =
-        report.problems.iter().filter(|p| CAUSES.contains(&p.code) && p.severity == Severity::Warning);
-    match (error, causes.next()) {
-        (Error::Input(problem), Some(first)) if problem.code == "no-walls" => {
-            let others = match causes.count() {
-                0 => String::new(),
-                1 => "; 1 more element cannot be read either".into(),
-                n => format!("; {n} more elements cannot be read either"),
-            };
-            let text = format!("no wall can be read: {}{others}; nothing was measured", first.text);
-            Error::Input(Problem { text, place: first.place.clone(), ..problem })
-        }
-        (other, _) => other,
-    }
-}
-
-/// Says which storey has no walls.
-fn within_storey(error: Error, settings: &Settings) -> Error {
-    match (error, &settings.storey) {
-        (Error::Input(problem), Some(storey)) if problem.code == "no-walls" => {
-            Error::Input(Problem { text: format!("storey {storey:?}: {}", problem.text), ..problem })
-        }
-        (other, _) => other,
-    }
-}
-
-/// Understands a drawing that was read.
-///
-/// # Errors
-/// What [`understand`] returns; [`Error::Usage`] for settings that do not fit the drawing.
-pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -> Result<Understood, Error> {
-    let unit = match &settings.unit {
-        Some(name) => Some(unit_by_name(name).ok_or_else(|| {
-            let text = format!("unit, by --unit or a settings file: found {name:?}, expected mm, cm, m, in or ft; nothing was done");
-            Error::usage("unit", Place::default(), text)
-        })?),
-        None => None,
-    };
-    let drawing = &*view_box::within(drawing, settings.view.as_deref());
-    let options = PlanOptions { unit, ..plan_options(settings) };
-    let understood = understand(drawing, &options, report);
-    let mut plan = understood.map_err(|e| within_storey(with_cause(e, report), settings))?;
-    add_regions(&mut plan, settings)?;
-    building::add_spaces(drawing, &mut plan, settings)?;
-    state_unused_seeds(&plan, settings, report);
-    if settings.allow.structure {
-        plan.bearing.clear();
-    }
-    let graph = Graph::new(&plan);
-    let as_drawn = settings.reading.as_drawn == Some(true);
-    let (axes, marked) = if as_drawn { Default::default() } else { structure::axes(&plan, drawing) };
-    let bodies = structure::bodies(&plan, &axes);
-    let mut sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
-    if settings.level == Level::Knee {
-        sight.closed.extend(structure::glass_lines(&plan, drawing, &axes));
-    }
-    sight.close(|wall| building::closes(&plan.walls[wall as usize]));
-    let fittings = fittings::fittings(&plan, drawing, &axes, &marked);
-    let all = faces(&plan);
-    let (mut closings, mut infill) = (Vec::new(), Vec::new());
-    if !as_drawn {
-        closings = building::closings(drawing, &plan);
-        closings.extend(opening_lines(&plan, &axes));
-        infill = structure::infill_lines(&plan, drawing, &axes);
-        closings.extend(&infill);
-    }
-    let interior = Interior::new(&all, &closings, plan.human_scale).map(|i| i.without(&plan.outdoors));
-    let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
-    let interior = corrected(interior, &mut plan, settings, report);
-    if let Some(interior) = interior.as_ref().filter(|_| settings.seed_points.is_empty()) {
-        let is_marked = |p: PointUm| plan.markers.regions().any(|r| r.contains(p));
-        let is_beside = |p: PointUm| !interior.is_at_wall(p) && !interior.is_cavity(p);
-        let side = |p: PointUm| is_beside(p).then(|| interior.contains(p) || is_marked(p));
-        sight.end_outdoors(&closings, plan.human_scale, side);
-    }
-    let known = Known {
-        plan: &plan,
-        graph: &graph,
-        axes: &axes,
-        interior: interior.as_ref(),
-        fittings: &fittings,
-        infill: &infill,
-    };
-    marked::state_idle_keeps(drawing, &plan, report);
-    let moves = moves(drawing, &known, settings, report)?;
-    let openings = building::named_openings(drawing, &plan);
-    let left_out = left_out(&plan, drawing);
-    let labels = labels::labels(&plan, drawing, &fittings);
-    let entities = sensed::entities_of_walls(&plan, drawing);
-    let base = Understood {
-        plan,
-        graph,
-        axes,
-        bodies,
-        sight,
-        fittings,
-        left_out,
-        labels,
-        moves,
-        interior,
-        openings,
-        texts: drawing.texts.clone(),
-        closings,
-        entities,
-        marked,
-    };
-    gaps::state_closed(&base, report);
-    Ok(base)
-}
-
-/// What is known of a plan before its moves.
-struct Known<'a> {
-    plan: &'a Plan,
-    graph: &'a Graph,
-    axes: &'a AxisGraph,
-    interior: Option<&'a Interior>,
-    fittings: &'a [Fitting],
-    /// What is drawn between walls.
-    infill: &'a [Segment],
-}
-
-/// What closes doors, windows and passages: for finding out what lies inside, not for sight.
-fn opening_lines(plan: &Plan, axes: &AxisGraph) -> Vec<Segment> {
-    let um = |p: DVec2| plan.frame.um_from_plan(p * plan.human_scale);
-    let line = |o: &Opening| Segment { a: um(o.jambs[0].at), b: um(o.jambs[1].at) };
-    axes.openings.iter().map(line).collect()
-}
-
-/// Most shapes left out that are kept for the picture.
-const LEFT_OUT_MAX: usize = 20_000;
-
-/// Visible shapes within the plan that are neither walls nor marks of ours.
-fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<(Trace, bool)> {
-    let points = plan.walls.iter().flat_map(|w| &w.trace.points);
-    let Some([lo, hi]) = box_of(points.map(|p| DVec2::new(p[0] as f64, p[1] as f64))) else {
-        return Vec::new();
-    };
-    let hidden = Hidden::new(drawing);
-    let all = drawing.entities.iter().enumerate();
-    let foreign = all.filter(|(_, e)| !own_layers::is_own(&e.layer)).enumerate();
-    let free = foreign.filter(|(k, (_, e))| plan.picked.binary_search(k).is_err() && !hidden.entity(e));
-    let traces = free.map(|(_, (i, e))| (trace(&e.shape, &plan.frame), structure::is_glass(plan, i)));
-    let is_within = |(t, _): &(Trace, bool)| {
-        t.points.iter().all(|p| {
-            let p = DVec2::new(p[0] as f64, p[1] as f64);
-            p.cmpge(lo).all() && p.cmple(hi).all()
-        })
-    };
-    traces.filter(is_within).take(LEFT_OUT_MAX).collect()
-}
-
-fn moves(
-    drawing: &Drawing,
-    known: &Known<'_>,
-    settings: &Settings,
-    report: &mut Report,
-) -> Result<Moves, Error> {
-    let Known { plan, graph, axes, interior, fittings, infill } = *known;
-    let all = (plan, graph, axes, fittings);
-    if !settings.moves.is_empty() {
-        state_passed_over(drawing, plan, &settings.moves, report);
-        let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
-        groups.iter().for_each(|(group, nodes)| say_kept(plan, graph, group, nodes, report));
-        let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
-        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), all, settings, report));
-    }
-    if !drawing.marked.is_empty() && !settings.ignore_move_markers {
-        let stated = building::marked_moves(drawing);
-        let (groups, records) = side_car_groups(drawing, plan, graph, (&stated, false), report)?;
-        if groups.is_empty() {
-            state_unread_marks(drawing.format.marking().moves, plan, report);
-        }
-        let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
-        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), all, settings, report));
-    }
-    if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
-        let moves = Moves::from_markers(plan, graph, axes, report);
-        return Ok(taken_up(moves, plan.markers.groups.iter(), all, settings, report));
-    }
-    if marked::is_any(drawing, plan) && !settings.ignore_move_markers {
-        state_unread_moves(drawing, plan, report);
-        return Ok(Moves::default());
-    }
-    if settings.only_marked {
-        let text = "nothing is marked to move, and only what is marked may: the present layout is measured";
-        report.info("nothing-marked", Place::file(&plan.file), text);
-        return Ok(Moves::default());
-    }
-    match interior {
-        Some(interior) if !settings.ignore_move_markers && settings.reading.as_drawn != Some(true) => {
-            let groups = defaults::groups(plan, graph, axes, (interior, infill, fittings), report);
-            let found = groups.iter().map(|(g, _)| g.clauses.len()).sum();
-            let groups = carrying::whole_moves(plan, graph, axes, fittings, groups, report);
-            let groups = keeping_doors(groups, (plan, graph, axes), report);
-            let groups = carrying::without_structure(plan, graph, axes, groups, report);
-            let mut moves = Moves::new(plan, graph, axes, &groups, report);
-            moves.are_default = true;
-            state_left(&moves, (&groups, found), (plan, graph), report);
-            Ok(moves)
-        }
-        _ => Ok(Moves::default()),
-    }
-}
 
 /// Everything that one layout is worth.
 #[derive(Clone, Debug, Default, PartialEq)]

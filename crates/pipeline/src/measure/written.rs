@@ -10,7 +10,7 @@ use crate::measure::seen::Seen;
 use crate::measure::study::Study;
 use crate::measure::study::Worth;
 use crate::measure::study::cover_bodies;
-use crate::measure::study::read_options;
+use crate::read::read_options;
 use crate::understand::options::plan_options;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::Shape;

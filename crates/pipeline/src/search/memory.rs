@@ -9,12 +9,13 @@
 //! to fit when it was asked for, and how many seconds had gone when it was known: both are told again instead of read
 //! from the clock, and what was spent before a kill counts.
 
+use crate::job::Keep;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use sha2::{Digest, Sha256};
 
-use crate::Input;
+use crate::job::Input;
 use crate::round::BATCH;
 use enfilade_config::{Settings, Twin};
 use enfilade_search::Evaluation;
@@ -35,15 +36,6 @@ pub(crate) struct Pace {
     pub fit: u64,
     /// Seconds gone, when its worth was known.
     pub spent_secs: f64,
-}
-
-/// Bytes to keep until the job is done.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Keep {
-    /// Whether they replace what was kept; else they follow it.
-    pub is_anew: bool,
-    /// The bytes.
-    pub bytes: Vec<u8>,
 }
 
 /// Seconds that a round has spent, those before a kill included.

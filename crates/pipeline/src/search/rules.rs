@@ -1,7 +1,9 @@
 //! The settings' rules on the parameters: links, modules, pinned options; and why no option keeps the limits.
 
 use crate::measure::aims;
-use crate::measure::study::{Study, Understood, Worth};
+use crate::measure::study::Study;
+use crate::measure::study::Worth;
+use crate::understand::understood::Understood;
 use enfilade_config::{Aim, Bound, Follow, Held, Limit, Measure, Method, PairName, Penalty, Settings, Snap};
 use enfilade_moves::Parameter;
 use enfilade_moves::control::{Breach, Control, Link, Rules};

@@ -131,7 +131,8 @@ fn corners(moves: &Moves) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::study;
+    use crate::read;
+    use crate::understand::understood;
     use enfilade_config::{Partial, Settings};
 
     /// Whatever moves by default takes its doors and windows along, to both ends of its way.
@@ -149,7 +150,9 @@ mod tests {
             let bytes = std::fs::read(data.join("dxf").join(&file)).unwrap();
             let settings = Settings::new(Partial::default()).unwrap();
             let mut report = Report::default();
-            let base = study::read(&file, &bytes, &settings, &mut report).unwrap();
+            let base =
+                understood(&read::drawing(&file, &bytes, &settings, &mut report)?, &settings, &mut report)
+                    .unwrap();
             let (bounds, identity) = (base.moves.bounds(), base.moves.identity());
             assert!(bounds.len() >= may_move, "{name}: {} parameters", bounds.len());
             assert!(!base.fittings.is_empty(), "{name}");

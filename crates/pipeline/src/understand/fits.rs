@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use sha2::{Digest, Sha256};
 
-use crate::measure::study::Understood;
+use crate::understand::understood::Understood;
 use enfilade_config::{KnownMove, Settings};
 use enfilade_moves::Parameter;
 use enfilade_overlay::result::MoveEntry;

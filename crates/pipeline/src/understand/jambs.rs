@@ -99,7 +99,8 @@ fn say_kept(drawn: &[Marked], groups: &[Marked], plan: &Plan, report: &mut Repor
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::study;
+    use crate::read;
+    use crate::understand::understood;
     use enfilade_config::{Partial, Settings};
     use enfilade_moves::narrowed::Doors;
     use enfilade_report::counted;
@@ -123,7 +124,9 @@ mod tests {
             let bytes = std::fs::read(data.join(name)).unwrap();
             let settings = Settings::new(Partial::default()).unwrap();
             let mut report = Report::default();
-            let base = study::read(name, &bytes, &settings, &mut report).unwrap();
+            let base =
+                understood(&read::drawing(name, &bytes, &settings, &mut report)?, &settings, &mut report)
+                    .unwrap();
             let told: Vec<&str> = report
                 .problems
                 .iter()

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::measure::study::Understood;
+use crate::understand::understood::Understood;
 use enfilade_config::{PairName, Settings};
 use enfilade_engine::Region;
 use enfilade_engine::geometry::PointUm;

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use crate::measure::study::Understood;
 use crate::understand::building;
+use crate::understand::understood::Understood;
 use enfilade_cad::drawing::{Drawing, Entity};
 use enfilade_cad::own_layers;
 use enfilade_cad::roles::Role;

@@ -1,6 +1,7 @@
 //! What the report and an option's words say of doors that an option leaves narrower than they are drawn.
 
-use crate::measure::study::{Study, Understood};
+use crate::measure::study::Study;
+use crate::understand::understood::Understood;
 use crate::write::made::Made;
 use enfilade_cad::drawing::place_in;
 use enfilade_moves::Layout;

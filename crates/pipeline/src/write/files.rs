@@ -1,17 +1,20 @@
 //! The pictures and drawings of a round.
 
+use crate::read;
 use std::collections::BTreeSet;
 
+use crate::MapLook;
 use crate::confirm::found::Found;
-use crate::measure::study;
+use crate::heat_map;
+use crate::job::Input;
 use crate::measure::study::Study;
+use crate::rayon_map;
 use crate::round::gains_words;
 use crate::write::made::Made;
 use crate::write::show;
 use crate::write::show::Map;
 use crate::write::traces;
 use crate::write::traces::Traces;
-use crate::{Input, MapLook, heat_map, rayon_map};
 use enfilade_cad::drawing::Addition;
 use enfilade_config::{Measure, PairName, Settings};
 use enfilade_overlay::additions::heat_layer;
@@ -152,7 +155,7 @@ pub(crate) fn drawings(
             }
         };
         let additions = show::to_drawing_units(&study.base.plan, additions);
-        let options = study::read_options(settings);
+        let options = read::read_options(settings);
         let bytes = enfilade_cad::patch(input.file(), &input.bytes, &options, &edits, &additions)?;
         Ok(OutFile::new(format!("{name}.{}", study.base.plan.format.name()), bytes))
     })

@@ -1,7 +1,7 @@
 //! The architectural graph of what a drawing is taken for.
 
-use crate::measure::study::Understood;
 use crate::understand::sensed::{OpenGap, Sensed};
+use crate::understand::understood::Understood;
 use crate::write::reading::{Places, axis, opening_kind, round_mm};
 use enfilade_overlay::graph::{GRAPH_SCHEMA, Joint, OpeningEdge, PlanGraph, RoomNode, WallEdge};
 use enfilade_plan::axes::{Edge, Node, NodeKind};

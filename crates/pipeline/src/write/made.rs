@@ -1,12 +1,14 @@
 //! Options made real: the drawing patched, read again, and what differs in it.
 
+use crate::read;
 use std::collections::{BTreeMap, HashSet};
 
 use glam::DVec2;
 
-use crate::Input;
-use crate::measure::study;
-use crate::measure::study::{Study, Understood, Worth};
+use crate::job::Input;
+use crate::measure::study::Study;
+use crate::measure::study::Worth;
+use crate::understand::understood::Understood;
 use crate::write::show;
 use crate::write::{bounded, told};
 use enfilade_cad::drawing::place_in;
@@ -52,7 +54,7 @@ pub(crate) fn make(
     member: &enfilade_search::Member,
 ) -> Result<Made, Error> {
     let layout = study.base.moves.apply(&study.base.plan, &study.base.graph, &member.parameters);
-    let options = study::read_options(settings);
+    let options = read::read_options(settings);
     let mut edits = edits_of(&study.base, &layout);
     let tied = tied(input, settings, &study.base, &edits)?;
     edits.extend(tied.following.iter().map(|f| f.edit.clone()));
@@ -129,7 +131,7 @@ pub(crate) fn tied(
 ) -> Result<enfilade_cad::dxf::Tied, Error> {
     let walls = base.plan.walls.iter().map(|w| w.source.record);
     let held: HashSet<usize> = walls.chain(base.fittings.iter().map(|f| f.source.record)).collect();
-    enfilade_cad::tied(input.file(), &input.bytes, &study::read_options(settings), edits, &held)
+    enfilade_cad::tied(input.file(), &input.bytes, &read::read_options(settings), edits, &held)
 }
 
 /// Doors and windows that cannot go with their wall.

@@ -1,7 +1,7 @@
 //! The report page of a round, from the round's own files.
 
-use crate::Input;
 use crate::confirm::found::Found;
+use crate::job::Input;
 use crate::write::show::Map;
 use enfilade_config::{Allow, Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure};
 use enfilade_overlay::measure::CHANGE;

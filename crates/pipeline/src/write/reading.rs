@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use crate::measure::spacing;
-use crate::measure::study::Understood;
 use crate::understand::sensed::{OpenGap, Sensed, length, of_entity};
+use crate::understand::understood::Understood;
 use crate::write::asked;
 use crate::write::show::element_of;
 use enfilade_cad::curve::bulge_arc;

@@ -5,11 +5,11 @@ use glam::DVec2;
 use crate::measure::aims::cell_values;
 use crate::measure::seen::Seen;
 use crate::measure::study::Study;
-use crate::measure::study::Understood;
 use crate::measure::study::Worth;
 use crate::measure::study::divisor;
 use crate::understand::building;
 use crate::understand::sensed::{Sensed, of_entity};
+use crate::understand::understood::Understood;
 use enfilade_cad::bearing;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::place_in;
@@ -428,7 +428,7 @@ pub fn changes(base: &Understood, layout: &Layout) -> Vec<Change> {
 }
 
 /// `input` of result.json.
-pub fn input(plan: &Plan, read: &crate::Input<'_>) -> Input {
+pub fn input(plan: &Plan, read: &crate::job::Input<'_>) -> Input {
     Input {
         path: read.path.into(),
         sha256: read.sha256().into(),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use crate::measure::study::Understood;
+use crate::understand::understood::Understood;
 use crate::write::show::{picture, stroke_of};
 use enfilade_cad::curve::control_points;
 use enfilade_engine::geometry::PointUm;

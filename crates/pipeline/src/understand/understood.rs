@@ -1,0 +1,63 @@
+//! A drawing as understood.
+
+use crate::understand::building::NamedOpening;
+use enfilade_cad::drawing::Text;
+use enfilade_engine::geometry::Segment;
+use enfilade_engine::interior::Interior;
+use enfilade_moves::Moves;
+use enfilade_plan::axes::AxisGraph;
+use enfilade_plan::curve::Trace;
+use enfilade_plan::fittings::Fitting;
+use enfilade_plan::graph::Graph;
+use enfilade_plan::labels::Label;
+use enfilade_plan::sight::Sight;
+use enfilade_plan::structure::Body;
+use enfilade_plan::{Plan, Wall};
+
+/// A drawing as understood, with what may move; the part of a study that needs no lattice.
+#[derive(Clone, Debug)]
+pub struct Understood {
+    /// The plan.
+    pub plan: Plan,
+    /// Its drawn pieces and where they meet.
+    pub graph: Graph,
+    /// Its walls as axes with thickness, openings, columns.
+    pub axes: AxisGraph,
+    /// Its thick walls, by the control points of their faces.
+    pub bodies: Vec<Body>,
+    /// Which of it stops sight.
+    pub sight: Sight,
+    /// Doors and windows as drawn.
+    pub fittings: Vec<Fitting>,
+    /// Shapes that were not taken as walls, for the picture; whether they are windows or glass by name.
+    pub left_out: Vec<(Trace, bool)>,
+    /// Texts at parts of doors and windows.
+    pub labels: Vec<Label>,
+    /// What may move.
+    pub moves: Moves,
+    /// The building's interior, where it was needed.
+    pub interior: Option<Interior>,
+    /// Doors and windows, where the file calls them so.
+    pub openings: Vec<NamedOpening>,
+    /// Texts of the drawing.
+    pub texts: Vec<Text>,
+    /// What closes doors and windows when it is asked what lies inside.
+    pub closings: Vec<Segment>,
+    /// For every wall of the plan the index of its entity; filled areas come behind what is drawn.
+    pub entities: Vec<usize>,
+    /// For every mark of the axes the index of its entity.
+    pub marked: Vec<usize>,
+}
+
+impl Understood {
+    /// All faces of its walls.
+    pub fn faces(&self) -> Vec<Segment> {
+        faces(&self.plan)
+    }
+}
+
+/// All faces of the walls of a plan.
+pub(crate) fn faces(plan: &Plan) -> Vec<Segment> {
+    let sided = |w: &'_ Wall| w.trace.segments().flat_map(|s| w.with_sides(s.2)).collect::<Vec<_>>();
+    plan.walls.iter().flat_map(sided).collect()
+}
