@@ -17,8 +17,6 @@ mod write;
 
 use std::time::Instant;
 
-use serde::{Deserialize, Serialize};
-use sha2::Digest;
 
 use enfilade_cad::Opened;
 use enfilade_config::{PairName, Settings};
@@ -30,7 +28,8 @@ use enfilade_overlay::{HeatMap, Palette, PlanPicture, Scale, check_png, glossary
 use enfilade_report::{Cancel, Error, OutFile, Place, Report, counted};
 pub use job::{Event, Input, Keep, Outcome, Progress, on_threads};
 pub use measure::cells;
-pub use measure::look::{LatticeAt, Use};
+pub use measure::look::LatticeAt;
+pub use measure::seen::Use;
 pub use measure::study::Study;
 use measure::{aims, backend, estimate};
 pub use read::read_options;

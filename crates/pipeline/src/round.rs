@@ -1,6 +1,7 @@
 //! One round: search, verify, write.
 
 use crate::confirm::elsewhere;
+use crate::measure::limits;
 use crate::search::budget;
 use crate::write::doors;
 use crate::write::files;
@@ -19,11 +20,11 @@ use crate::job::Event;
 use crate::job::Input;
 use crate::job::Outcome;
 use crate::job::Progress;
-use crate::measure::look::Use;
+use crate::measure::lattices;
 use crate::measure::ruler::ruler;
+use crate::measure::seen::Use;
 use crate::measure::study::Study;
-use crate::measure::study::Worth;
-use crate::measure::{aims, lattices};
+use crate::measure::worth::Worth;
 use crate::search::budget::Allowance;
 use crate::search::judged::{distances, evaluation, is_firm, nearest, objectives, pinned};
 use crate::search::memory::Memory;
@@ -305,7 +306,7 @@ pub(crate) fn measured(brief: &Brief<'_>, vectors: &[Vec<f64>]) -> Vec<Evaluatio
     let has_limits = settings.limits.iter().any(|l| matches!(l.held, Held::Aim(_)));
     let here = (has_limits && !is_bare(settings)).then(|| study.measure_all(&layouts));
     let missed_here = |i: usize| {
-        here.as_ref().map_or(0.0, |all| aims::missed(study, settings, &all[i]).iter().sum::<f64>())
+        here.as_ref().map_or(0.0, |all| limits::missed(study, settings, &all[i]).iter().sum::<f64>())
     };
     let of = |(i, (worth, q)): (usize, (&Worth, &Vec<f64>))| {
         let found = evaluation(trial, settings, objectives, worth);

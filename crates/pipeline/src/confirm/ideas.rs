@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::measure::aims::cell_values;
-use crate::measure::study::{Study, Worth};
+use crate::measure::study::Study;
+use crate::measure::worth::Worth;
 use enfilade_cad::curve::control_points;
 use enfilade_config::Measure;
 use enfilade_engine::geometry::{PointUm, UM_PER_M};

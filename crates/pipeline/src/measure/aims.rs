@@ -1,14 +1,8 @@
 //! What is asked of a layout: measures taken together in other ways than the mean, and hard limits.
 
 use crate::measure::seen::Seen;
-use crate::measure::study::Study;
-use crate::measure::study::Worth;
-use crate::measure::study::divisor;
 use enfilade_config::{Aggregate, Aim, Bound, Held, Limit, Measure, PairName, Penalty, Settings, Source};
 use enfilade_engine::measures::{UNDEFINED, entropy_bits, global_row, mean_depth};
-
-/// A limit passed by less than this share of it is kept: written coordinates are rounded to 1 µm.
-pub const LIMIT_TOLERANCE: f64 = 1e-6;
 
 /// The aims of the settings that are not among the paper's means, each once.
 pub fn aims(settings: &Settings) -> Vec<Aim> {
@@ -126,46 +120,6 @@ pub fn together(mut values: Vec<f64>, aggregate: Aggregate) -> f64 {
             values[(usize::from(p) * n).div_ceil(100).max(1) - 1]
         }
     }
-}
-
-/// What a layout has of what a limit holds, and where the limit lies; both in the limit's own unit.
-pub fn held(study: &Study, settings: &Settings, worth: &Worth, index: usize) -> (f64, f64) {
-    let limit = &settings.limits[index];
-    let value = |w: &Worth| match (limit.held, limit.bound) {
-        (Held::Aim(Aim { measure: Measure::Score, .. }), _) => study.score(w, settings),
-        (Held::Aim(Aim { measure: Measure::Penalty, .. }), _) => study.penalty(w, settings),
-        (Held::Aim(aim), _) => study.value(w, aim),
-        (Held::Penalty(Penalty::Clearance), _) => w.clearance_m2,
-        (Held::Penalty(Penalty::WallLength), Bound::Change(_)) => w.wall_total_m,
-        (Held::Penalty(penalty), _) => w.penalty(penalty),
-    };
-    match (limit.held, limit.bound) {
-        (Held::Penalty(Penalty::Passage), Bound::At(width_m)) => {
-            let is_passage = |l: &&Limit| l.held == limit.held;
-            let nth = settings.limits[..index].iter().filter(is_passage).count() + 1;
-            (width_m - worth.passages_m.get(nth).copied().unwrap_or(0.0), width_m)
-        }
-        (Held::Penalty(Penalty::RoomArea), Bound::Change(share)) => {
-            let [least, most] = study.room_extremes(worth);
-            (if limit.is_least { least } else { most }, share)
-        }
-        (_, Bound::At(at)) => (value(worth), at),
-        (_, Bound::Change(share)) => {
-            let present = value(&study.initial);
-            (value(worth), present + share * divisor(present))
-        }
-    }
-}
-
-/// By how much a layout misses every limit, relative to it; 0: kept.
-pub fn missed(study: &Study, settings: &Settings, worth: &Worth) -> Vec<f64> {
-    let of = |index: usize| {
-        let (value, bound) = held(study, settings, worth, index);
-        let lacks = if settings.limits[index].is_least { bound - value } else { value - bound };
-        let share = lacks / divisor(bound);
-        if share > LIMIT_TOLERANCE || share.is_nan() { share } else { 0.0 }
-    };
-    (0..settings.limits.len()).map(of).collect()
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Whether a layout as written measures as it did in the search.
 
 use crate::measure::seen::Seen;
-use crate::measure::study::Worth;
+use crate::measure::worth::Worth;
 use enfilade_config::Penalty;
 
 /// Areas and angles of a file differ by less where its numbers have seven digits, as those of a GLB do: a share, and what

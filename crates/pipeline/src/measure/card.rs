@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use crate::measure::look::Bench;
 use crate::measure::look::SeenOn;
-use crate::measure::measuring::Bench;
 use crate::measure::parts::moving_segments;
 use crate::measure::study::Study;
-use crate::measure::study::Worth;
+use crate::measure::worth::Worth;
 use enfilade_engine::geometry::Segment;
 use enfilade_engine::gpu::Gpu;
 use enfilade_engine::{Obstacles, Tally};

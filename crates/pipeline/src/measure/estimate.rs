@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::measure::lattices;
 use crate::measure::look::LatticeAt;
-use crate::measure::look::Use;
+use crate::measure::seen::Use;
 use crate::measure::study::Study;
 use enfilade_config::{Aim, Measure, Settings};
 use enfilade_engine::sampled::student;

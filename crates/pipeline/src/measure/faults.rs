@@ -1,13 +1,12 @@
 //! What a builder would refuse of a layout, whatever it gains.
 
-use crate::measure::study::PASSAGE_WIDTH_M;
-use crate::measure::study::Study;
 use crate::understand::understood::Understood;
 use enfilade_config::{Held, Penalty, Settings};
 use enfilade_moves::Layout;
 use enfilade_moves::opened::Joints;
 use enfilade_moves::struck::Struck;
 use enfilade_penalties::Passage;
+use enfilade_penalties::WallPiece;
 
 /// A way this much narrower is none, metres: turned corners are rounded.
 const NARROWER_M: f64 = 0.001;
@@ -52,15 +51,15 @@ pub(crate) struct Guards {
 }
 
 impl Guards {
-    /// For the moves of a study.
-    pub fn new(study: &Study, settings: &Settings) -> Self {
-        let Understood { plan, moves, fittings, .. } = &*study.base;
+    /// For the moves of a drawing, its walls as `pieces`.
+    pub fn new(base: &Understood, pieces: &[WallPiece], settings: &Settings) -> Self {
+        let Understood { plan, moves, fittings, .. } = base;
         if !moves.are_default || settings.raw {
             return Self::default();
         }
         let allow = settings.allow;
         let is_stated = settings.limits.iter().any(|l| l.held == Held::Penalty(Penalty::Passage));
-        let drawn = enfilade_penalties::Layout { pieces: &study.pieces };
+        let drawn = enfilade_penalties::Layout { pieces };
         let passage = || Passage::new(&drawn, PASSAGE_WIDTH_M * plan.human_scale, None);
         Self {
             joints: (!allow.open_joints).then(|| Joints::new(plan, moves)),
@@ -84,3 +83,6 @@ impl Guards {
         }
     }
 }
+
+/// Width below which the passage penalty counts, metres: a door that a wheelchair passes.
+pub const PASSAGE_WIDTH_M: f64 = 0.9;

@@ -2,21 +2,20 @@
 //!
 //! Which cell centres happen to be free decides nothing where a value is the mean over shifted lattices.
 
-use crate::measure::aims;
-use crate::measure::seen;
 use crate::measure::seen::Scene;
 use crate::measure::seen::Seen;
-use crate::measure::study::Study;
-use crate::measure::study::Worth;
+use crate::measure::seen::Use;
 use crate::understand::understood::Understood;
-use enfilade_config::{Aim, Measure, PairName, Settings};
+use enfilade_config::Source;
+use enfilade_config::{Measure, PairName, Settings};
 use enfilade_engine::Lattice;
 use enfilade_engine::evaluator::Scratch;
 use enfilade_engine::geometry::{PointUm, UM_PER_M};
 use enfilade_engine::lattice::Ground;
 use enfilade_engine::measures::Means;
 use enfilade_moves::Layout;
-use enfilade_penalties::disconnection;
+use enfilade_penalties::WallPiece;
+use enfilade_report::Place;
 use enfilade_report::{Error, Report};
 
 /// Where a lattice lies: distance and centre of cells, µm of the drawing frame.
@@ -26,17 +25,6 @@ pub struct LatticeAt {
     pub spacing_um: i64,
     /// Some cell's centre.
     pub centre_um: PointUm,
-}
-
-/// What a lattice is measured for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Use {
-    /// The present layout alone, by breadth-first trees of about so many roots, drawn by a seed.
-    Roots(usize, u64),
-    /// Few layouts: nothing is prepared.
-    Few,
-    /// Many layouts.
-    Search,
 }
 
 /// A named pair of regions.
@@ -76,8 +64,8 @@ impl Look {
         (use_for, unit_m): (Use, f64),
         report: &mut Report,
     ) -> Result<Self, Error> {
-        let main = Scene::new(ground, base, identity, seen::asked(settings, None), use_for, report)?;
-        let pairs = seen::pairs(base, ground, identity, settings, use_for, report)?;
+        let main = Scene::new(ground, base, identity, asked(settings, None), use_for, report)?;
+        let pairs = pairs(base, ground, identity, settings, use_for, report)?;
         Ok(Self { main, pairs, coarseness: ground.spacing_um as f64 / UM_PER_M / unit_m })
     }
 
@@ -96,7 +84,7 @@ impl Look {
         }
     }
 
-    fn told_means(&self, m: &Means) -> Means {
+    pub(crate) fn told_means(&self, m: &Means) -> Means {
         Means {
             degree: self.told(Measure::Degree, m.degree),
             degree_all: self.told(Measure::Connectivity, m.degree_all),
@@ -114,35 +102,93 @@ pub(crate) struct SeenOn {
     pub pairs: Vec<Seen>,
 }
 
-/// Takes in what is seen on every lattice: as it is where there is one, else its means.
-pub(crate) fn take_means(study: &Study, seen: Vec<SeenOn>, worth: &mut Worth) {
-    let looks = &study.looks;
-    let share = |(look, seen): (&Look, &SeenOn)| {
-        let lattice = &look.main.lattice;
-        let (query, all) = (lattice.query.len(), lattice.cells.len());
-        let lost = seen.main.tally.disconnected;
-        [disconnection(lost, query, all), lost as f64 / (query as f64 * all as f64)]
-    };
-    let shares: Vec<[f64; 2]> = looks.iter().zip(&seen).map(share).collect();
-    let n = looks.len() as f64;
-    [worth.disconnection, worth.cut_off] = [0, 1].map(|k| shares.iter().map(|s| s[k]).sum::<f64>() / n);
-    let aim = |a: &Aim, look: &Look, on: &SeenOn| {
-        let named = a.pair.and_then(|name| study.pairs().iter().position(|p| p.name == name));
-        let of = named.and_then(|i| on.pairs.get(i)).unwrap_or(&on.main);
-        look.told(a.measure, aims::together(aims::cell_values(of, a.measure), a.aggregate))
-    };
-    let mean = |a: &Aim| looks.iter().zip(&seen).map(|(l, s)| aim(a, l, s)).sum::<f64>() / n;
-    worth.aims = study.aims.iter().map(mean).collect();
-    if let [look] = looks.as_slice() {
-        SeenOn { main: worth.seen, pairs: worth.pairs } = seen.into_iter().next().unwrap_or_default();
-        let all = std::iter::once(&mut worth.seen).chain(&mut worth.pairs);
-        all.for_each(|seen| seen.means = look.told_means(&seen.means));
-        return;
+/// The named pairs of a plan on a lattice.
+pub(crate) fn pairs(
+    base: &Understood,
+    ground: &Ground<'_>,
+    identity: &Layout,
+    settings: &Settings,
+    use_for: Use,
+    report: &mut Report,
+) -> Result<Vec<Pair>, Error> {
+    let markers = &base.plan.markers;
+    let mut out = Vec::new();
+    for pair in &markers.pairs {
+        let name: PairName = match pair.name.parse() {
+            Ok(name) => name,
+            Err(why) => {
+                report.warn("pair-name", Place::file(&base.plan.file), format!("{why}; it is left out"));
+                continue;
+            }
+        };
+        let [query, reference] = markers.regions_of(pair);
+        let own = Ground { query, reference, ..ground.clone() };
+        let asked = asked(settings, Some(name));
+        // What there is to say of the interior was said of the unnamed pair.
+        let scene = Scene::new(&own, base, identity, asked, use_for, &mut Report::default());
+        let scene = scene.map_err(|e| {
+            let text = format!("the regions named {name}: {e}");
+            Error::input("pair", Place::file(&base.plan.file), text)
+        })?;
+        out.push(Pair { name, scene });
     }
-    let mean = |of: &dyn Fn(&SeenOn) -> Means| {
-        let all = looks.iter().zip(&seen).map(|(look, seen)| look.told_means(&of(seen)));
-        Seen { means: Means::mean(all.collect()), ..Seen::default() }
-    };
-    worth.seen = mean(&|s| s.main.means);
-    worth.pairs = (0..study.pairs().len()).map(|i| mean(&|s| s.pairs[i].means)).collect();
+    Ok(out)
+}
+
+/// Measures beyond the tally that the settings ask of a pair, each once.
+pub(crate) fn asked(settings: &Settings, pair: Option<PairName>) -> Vec<Measure> {
+    let mut out = Vec::new();
+    for aim in crate::measure::aims::aims(settings).into_iter().filter(|a| a.pair == pair) {
+        if aim.measure.source() != Source::Forest && !out.contains(&aim.measure) {
+            out.push(aim.measure);
+        }
+    }
+    out
+}
+
+/// Says which objectives make every layout take longer, and checks that the pairs they name are drawn.
+///
+/// # Errors
+/// [`Error::Usage`] for a pair that is not drawn, with those that are.
+pub(crate) fn state_asked(
+    base: &Understood,
+    pairs: &[Pair],
+    settings: &Settings,
+    report: &mut Report,
+) -> Result<(), Error> {
+    let aims = crate::measure::aims::aims(settings);
+    let is_drawn = |name: PairName| pairs.iter().any(|p| p.name == name);
+    let places = || settings.limits.iter().filter_map(|l| Some((l.to_string(), l.place?)));
+    let asked = aims.iter().filter_map(|a| Some((a.to_string(), a.pair?))).chain(places());
+    if let Some((aim, _)) = asked.into_iter().find(|(_, name)| !is_drawn(*name)) {
+        let names: Vec<String> = pairs.iter().map(|p| p.name.to_string()).collect();
+        let there = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        let text = format!(
+            "{aim}: no pair of regions of this name, pairs drawn: {there}; draw EF-QUERY-NAME and EF-REFERENCE-NAME \
+             (what is not drawn is the unnamed region, or the interior); nothing was done"
+        );
+        return Err(Error::usage("pair", Place::file(&base.plan.file), text));
+    }
+    let is_asked =
+        |name: PairName| aims.iter().any(|a| a.pair == Some(name)) || places().any(|l| l.1 == name);
+    for pair in pairs.iter().filter(|p| !is_asked(p.name)) {
+        let text = format!(
+            "the regions named {} are measured and shown; no objective, score or limit names them: degree@{} would",
+            pair.name, pair.name
+        );
+        report.info("pair-unasked", Place::file(&base.plan.file), text);
+    }
+    for aim in &aims {
+        if let Some(cost) = aim.measure.source().cost() {
+            let text = format!("{aim} {cost}, in every layout that is measured: the search takes longer");
+            report.info("costly-measure", Place::file(&base.plan.file), text);
+        }
+    }
+    Ok(())
+}
+
+/// Reusable memory of one thread that measures.
+pub struct Bench {
+    pub(crate) scratches: Vec<Scratches>,
+    pub(crate) pieces: Vec<WallPiece>,
 }

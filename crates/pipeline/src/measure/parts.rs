@@ -1,10 +1,10 @@
 //! What of a study's walls stays and what moves, piece by piece.
 
+use crate::understand::understood::closed_that_stay;
+use enfilade_cad::curve::control_points;
+use enfilade_cad::drawing::Shape;
 use std::collections::{BTreeMap, BTreeSet};
 
-use glam::DVec2;
-
-use crate::measure::study::Study;
 use crate::understand::understood::Understood;
 use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_engine::lattice::CellIndex;
@@ -12,22 +12,6 @@ use enfilade_moves::Layout;
 use enfilade_plan::axes::FaceRef;
 use enfilade_plan::curve::Trace;
 use enfilade_plan::structure;
-
-impl Study {
-    /// The walls that a layout runs through each other, and by how many metres, as the penalty counts them.
-    pub fn overlapping(&self, layout: &Layout) -> Vec<([u32; 2], f64)> {
-        let mut pieces = self.pieces.clone();
-        self.place_all(layout, &mut pieces);
-        let walls = self.base.plan.walls.iter().enumerate();
-        let of_piece: Vec<u32> =
-            walls.flat_map(|(w, wall)| wall.trace.segments().map(move |_| w as u32)).collect();
-        let mut out: BTreeMap<[u32; 2], f64> = BTreeMap::new();
-        for (pair, by_m) in self.overlap.pairs_m(&enfilade_penalties::Layout { pieces: &pieces }) {
-            *out.entry(pair.map(|p| of_piece[p])).or_default() += by_m;
-        }
-        out.into_iter().collect()
-    }
-}
 
 /// For every moving wall and control point: whether the piece that starts there moves.
 pub(crate) fn piece_moves(base: &Understood) -> Vec<Vec<bool>> {
@@ -66,20 +50,6 @@ pub(crate) fn fixed_parts(base: &Understood, piece_moves: &[Vec<bool>]) -> (Vec<
     (segments, solids)
 }
 
-/// How near a moving wall's end must be to a closed gap for the gap to be its own.
-const CLOSED_REACH_M: f64 = 0.1;
-
-/// What stops sight although nothing is drawn, where no moving wall ends: a gap beside a moving wall is
-/// no slip any more once it moves. The building ends where it did.
-pub(crate) fn closed_that_stay(base: &Understood) -> Vec<Segment> {
-    let ends: Vec<DVec2> = base.moves.handles().map(|h| structure::handle_at(&base.plan, *h)).collect();
-    let at = |p: PointUm| base.plan.frame.plan_from_um(p) / base.plan.human_scale;
-    let stays =
-        |s: &&Segment| [s.a, s.b].iter().all(|p| ends.iter().all(|e| e.distance(at(*p)) > CLOSED_REACH_M));
-    let closed = base.sight.closed.iter().filter(stays);
-    closed.chain(&base.sight.ends).copied().collect()
-}
-
 /// The pieces of a trace, each with the control point it starts from and whether it moves.
 pub(crate) fn pieces_of<'a>(
     trace: &'a Trace,
@@ -111,6 +81,41 @@ pub(crate) fn cover_wide(base: &Understood, wall: u32, trace: &Trace, cells: &Ce
     let drawn = &base.plan.walls[wall as usize];
     for (s, part, _) in pieces_of(trace, None).filter(|_| drawn.width_um > 0) {
         for ring in base.sight.blocking((wall, part), s).filter_map(|s| drawn.ground(s)) {
+            cells.vertices_in(&ring, out);
+        }
+    }
+}
+
+/// Vertices covered by what can move and has a body, solids and thick walls, and those that its lines touch: they
+/// are no floor, so they count in no mean and are not cut off. What stays touches none, or its vertices were dropped.
+pub(crate) fn blind(base: &Understood, layout: &Layout, cells: &CellIndex, segments: &[Segment]) -> Vec<u32> {
+    let shapes: BTreeMap<u32, &Shape> = layout.walls.iter().map(|w| (w.wall, &w.shape)).collect();
+    let mut out = Vec::new();
+    for wall in layout.walls.iter().filter(|w| base.plan.walls[w.wall as usize].is_solid) {
+        cells.vertices_in(&wall.trace.points, &mut out);
+    }
+    cover_bodies(base, &|w| shapes.get(&w).copied(), cells, &mut out);
+    layout.walls.iter().for_each(|w| cover_wide(base, w.wall, &w.trace, cells, &mut out));
+    segments.iter().for_each(|s| cells.vertices_on(*s, &mut out));
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
+/// Adds the vertices that moving thick walls cover; `shape` says where a moving wall stands.
+pub(crate) fn cover_bodies<'a>(
+    base: &'a Understood,
+    shape: &impl Fn(u32) -> Option<&'a Shape>,
+    cells: &CellIndex,
+    out: &mut Vec<u32>,
+) {
+    let moves = |w: u32| base.moves.walls.binary_search(&w).is_ok();
+    for body in base.bodies.iter().filter(|b| b.corners.iter().any(|h| moves(h.0))) {
+        let ring = body.ring(|(w, c)| {
+            let shape = shape(w).unwrap_or(&base.plan.walls[w as usize].shape);
+            base.plan.frame.um_from_file(control_points(shape)[c as usize])
+        });
+        if let Some(ring) = ring {
             cells.vertices_in(&ring, out);
         }
     }

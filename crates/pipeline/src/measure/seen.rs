@@ -4,12 +4,10 @@
 
 use std::sync::Arc;
 
-use crate::measure::look::{Look, Pair, SeenOn, Use};
-use crate::measure::study::Study;
-use crate::measure::study::blind;
+use crate::measure::parts::blind;
 use crate::understand::understood::Understood;
-use enfilade_config::{Measure, PairName, Settings, Source};
-use enfilade_engine::evaluator::{Evaluator, Scratch};
+use enfilade_config::{Measure, Source};
+use enfilade_engine::evaluator::Evaluator;
 use enfilade_engine::geometry::UM_PER_M;
 use enfilade_engine::isovist::query_isovists;
 use enfilade_engine::lattice::{CellIndex, Ground, lattice};
@@ -190,118 +188,15 @@ impl Scene {
     }
 }
 
-/// The named pairs of a plan on a lattice.
-pub(crate) fn pairs(
-    base: &Understood,
-    ground: &Ground<'_>,
-    identity: &Layout,
-    settings: &Settings,
-    use_for: Use,
-    report: &mut Report,
-) -> Result<Vec<Pair>, Error> {
-    let markers = &base.plan.markers;
-    let mut out = Vec::new();
-    for pair in &markers.pairs {
-        let name: PairName = match pair.name.parse() {
-            Ok(name) => name,
-            Err(why) => {
-                report.warn("pair-name", Place::file(&base.plan.file), format!("{why}; it is left out"));
-                continue;
-            }
-        };
-        let [query, reference] = markers.regions_of(pair);
-        let own = Ground { query, reference, ..ground.clone() };
-        let asked = asked(settings, Some(name));
-        // What there is to say of the interior was said of the unnamed pair.
-        let scene = Scene::new(&own, base, identity, asked, use_for, &mut Report::default());
-        let scene = scene.map_err(|e| {
-            let text = format!("the regions named {name}: {e}");
-            Error::input("pair", Place::file(&base.plan.file), text)
-        })?;
-        out.push(Pair { name, scene });
-    }
-    Ok(out)
-}
-
-/// Measures beyond the tally that the settings ask of a pair, each once.
-pub(crate) fn asked(settings: &Settings, pair: Option<PairName>) -> Vec<Measure> {
-    let mut out = Vec::new();
-    for aim in crate::measure::aims::aims(settings).into_iter().filter(|a| a.pair == pair) {
-        if aim.measure.source() != Source::Forest && !out.contains(&aim.measure) {
-            out.push(aim.measure);
-        }
-    }
-    out
-}
-
-/// Says which objectives make every layout take longer, and checks that the pairs they name are drawn.
-///
-/// # Errors
-/// [`Error::Usage`] for a pair that is not drawn, with those that are.
-pub(crate) fn state_asked(
-    base: &Understood,
-    pairs: &[Pair],
-    settings: &Settings,
-    report: &mut Report,
-) -> Result<(), Error> {
-    let aims = crate::measure::aims::aims(settings);
-    let is_drawn = |name: PairName| pairs.iter().any(|p| p.name == name);
-    let places = || settings.limits.iter().filter_map(|l| Some((l.to_string(), l.place?)));
-    let asked = aims.iter().filter_map(|a| Some((a.to_string(), a.pair?))).chain(places());
-    if let Some((aim, _)) = asked.into_iter().find(|(_, name)| !is_drawn(*name)) {
-        let names: Vec<String> = pairs.iter().map(|p| p.name.to_string()).collect();
-        let there = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-        let text = format!(
-            "{aim}: no pair of regions of this name, pairs drawn: {there}; draw EF-QUERY-NAME and EF-REFERENCE-NAME \
-             (what is not drawn is the unnamed region, or the interior); nothing was done"
-        );
-        return Err(Error::usage("pair", Place::file(&base.plan.file), text));
-    }
-    let is_asked =
-        |name: PairName| aims.iter().any(|a| a.pair == Some(name)) || places().any(|l| l.1 == name);
-    for pair in pairs.iter().filter(|p| !is_asked(p.name)) {
-        let text = format!(
-            "the regions named {} are measured and shown; no objective, score or limit names them: degree@{} would",
-            pair.name, pair.name
-        );
-        report.info("pair-unasked", Place::file(&base.plan.file), text);
-    }
-    for aim in &aims {
-        if let Some(cost) = aim.measure.source().cost() {
-            let text = format!("{aim} {cost}, in every layout that is measured: the search takes longer");
-            report.info("costly-measure", Place::file(&base.plan.file), text);
-        }
-    }
-    Ok(())
-}
-
-impl Study {
-    /// What every pair sees on a lattice in a layout, the unnamed first, whose tally is known; `moving` is what moves,
-    /// with the cells of the unnamed pair that it covers.
-    pub(crate) fn all_seen(
-        &self,
-        look: &Look,
-        layout: &Layout,
-        tally: Tally,
-        moving: &Obstacles,
-        scratches: &mut [Scratch],
-    ) -> SeenOn {
-        let of = |(pair, scratch): (&Pair, &mut Scratch)| {
-            let blind = blind(&self.base, layout, &pair.scene.cells, &moving.segments);
-            let moving = Obstacles { segments: moving.segments.clone(), blind };
-            let tally = pair.scene.evaluator.evaluate(&moving, scratch);
-            pair.scene.seen(tally, &moving.blind, || self.obstacles(layout, &pair.scene.cells))
-        };
-        let pairs = look.pairs.iter().zip(scratches).map(of).collect();
-        let main = look.main.seen(tally, &moving.blind, || self.obstacles(layout, &look.main.cells));
-        SeenOn { main, pairs }
-    }
-
-    /// What a pair sees in a layout; the unnamed one for `None`.
-    pub fn seen_of<'a>(&self, worth: &'a crate::measure::study::Worth, pair: Option<PairName>) -> &'a Seen {
-        let named = pair.and_then(|name| self.pairs().iter().position(|p| p.name == name));
-        named.and_then(|i| worth.pairs.get(i)).unwrap_or(&worth.seen)
-    }
+/// What a lattice is measured for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// The present layout alone, by breadth-first trees of about so many roots, drawn by a seed.
+    Roots(usize, u64),
+    /// Few layouts: nothing is prepared.
+    Few,
+    /// Many layouts.
+    Search,
 }
 
 #[cfg(test)]

@@ -1,29 +1,31 @@
 //! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
 
-use crate::measure::seen;
+use crate::measure::faults::PASSAGE_WIDTH_M;
+use crate::measure::look::state_asked;
+use crate::measure::parts::blind;
+use crate::measure::worth::Worth;
 use crate::understand::understood::Understood;
-use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
 use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::measure::aims;
-pub use crate::measure::faults::Faults;
 use crate::measure::faults::Guards;
-pub use crate::measure::look::{LatticeAt, Pair, Use};
+use crate::measure::look::Bench;
+pub use crate::measure::look::LatticeAt;
+pub use crate::measure::look::Pair;
 use crate::measure::look::{Look, SeenOn};
-use crate::measure::measuring::Bench;
-use crate::measure::parts::{
-    closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of,
-};
+use crate::measure::parts::fixed_parts;
+use crate::measure::parts::moving_segments;
+use crate::measure::parts::piece_moves;
+use crate::measure::parts::pieces_of;
 use crate::measure::seen::Scene;
-pub use crate::measure::seen::Seen;
+pub use crate::measure::seen::Use;
 use crate::measure::spacing;
 use crate::understand::regions::state_interior;
-use enfilade_cad::curve::control_points;
-use enfilade_cad::drawing::Shape;
-use enfilade_config::{Aggregate, Aim, Measure, PairName, Penalty, Settings};
+use crate::understand::understood::closed_that_stay;
+use enfilade_config::{Aggregate, Aim, Measure, PairName, Settings};
 use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
 use enfilade_engine::gpu::Gpu;
 use enfilade_engine::lattice::{CellIndex, Ground};
@@ -40,44 +42,6 @@ use enfilade_report::{Error, Place, Report};
 
 /// Radius r of the clearance penalty (spec 5).
 pub const CLEARANCE_RADIUS_M: f64 = 0.5;
-
-/// Width below which the passage penalty counts, metres: a door that a wheelchair passes.
-pub const PASSAGE_WIDTH_M: f64 = 0.9;
-
-/// Everything that one layout is worth.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Worth {
-    /// What the unnamed pair of regions sees.
-    pub seen: Seen,
-    /// What the named pairs see, in the order of [`Study::pairs`].
-    pub pairs: Vec<Seen>,
-    /// g_j in the order of [`Penalty::ALL`]: clr² (m⁴), |ΔS| (m), alignment (rad²), overlap (m), passage (m),
-    /// floor that rooms have lost (m²).
-    pub penalties: [f64; 6],
-    /// Length of all walls, m.
-    pub wall_total_m: f64,
-    /// By how much passages have become too narrow, m, for each width asked for; empty where none is.
-    pub passages_m: Vec<f64>,
-    /// Areas of the rooms, m²; empty unless asked for.
-    pub rooms_m2: Vec<f64>,
-    /// The aims of the settings beyond the three means, in the order of [`Study::aims`].
-    pub aims: Vec<f64>,
-    /// clr, m².
-    pub clearance_m2: f64,
-    /// What a builder would refuse.
-    pub faults: Faults,
-    /// (Σ u_i / (|V_q||V|))².
-    pub disconnection: f64,
-    /// Σ u_i / (|V_q||V|).
-    pub cut_off: f64,
-}
-
-impl Worth {
-    /// One penalty g_j.
-    pub fn penalty(&self, penalty: Penalty) -> f64 {
-        self.penalties[Penalty::ALL.iter().position(|p| *p == penalty).unwrap_or(0)]
-    }
-}
 
 /// A study: one drawing with its lattices, ready to measure any layout of its moves. What a layout is worth is the mean
 /// over the lattices; what its cells have is known where there is one.
@@ -214,7 +178,7 @@ impl Study {
         let under = blind(&base, &identity, &first.main.cells, &movable);
         spacing::state(&base, settings, spacing_m, [first.main.lattice.cells.len(), under.len()], report);
         state_interior(&base, settings, report);
-        seen::state_asked(&base, &first.pairs, settings, report)?;
+        state_asked(&base, &first.pairs, settings, report)?;
         let (pieces, piece_ranges) = pieces(&base, &identity, &piece_moves);
         let layout = enfilade_penalties::Layout { pieces: &pieces };
         let mut study = Self {
@@ -229,7 +193,7 @@ impl Study {
                 })
                 .collect(),
             rooms: aims::asks_for_rooms(settings).then(|| rooms(&base, &layout, report)),
-            guards: Guards::default(),
+            guards: Guards::new(&base, &pieces, settings),
             aims: aims::aims(settings),
             initial: Worth::default(),
             edges: first.main.edges,
@@ -245,7 +209,6 @@ impl Study {
             pieces,
             piece_ranges,
         };
-        study.guards = Guards::new(&study, settings);
         let initial = |look: &Look| {
             let of = |scene: &Scene| {
                 let obstacles = study.obstacles(&identity, &scene.cells);
@@ -384,41 +347,6 @@ fn rooms(base: &Understood, initial: &enfilade_penalties::Layout<'_>, report: &m
 fn near(centre_um: PointUm, spacing_um: i64, plan: &Plan) -> PointUm {
     let o = plan.frame.origin_um;
     [0, 1].map(|k| centre_um[k] + (o[k] - centre_um[k]).div_euclid(spacing_um) * spacing_um)
-}
-
-/// Vertices covered by what can move and has a body, solids and thick walls, and those that its lines touch: they
-/// are no floor, so they count in no mean and are not cut off. What stays touches none, or its vertices were dropped.
-pub(crate) fn blind(base: &Understood, layout: &Layout, cells: &CellIndex, segments: &[Segment]) -> Vec<u32> {
-    let shapes: BTreeMap<u32, &Shape> = layout.walls.iter().map(|w| (w.wall, &w.shape)).collect();
-    let mut out = Vec::new();
-    for wall in layout.walls.iter().filter(|w| base.plan.walls[w.wall as usize].is_solid) {
-        cells.vertices_in(&wall.trace.points, &mut out);
-    }
-    cover_bodies(base, &|w| shapes.get(&w).copied(), cells, &mut out);
-    layout.walls.iter().for_each(|w| cover_wide(base, w.wall, &w.trace, cells, &mut out));
-    segments.iter().for_each(|s| cells.vertices_on(*s, &mut out));
-    out.sort_unstable();
-    out.dedup();
-    out
-}
-
-/// Adds the vertices that moving thick walls cover; `shape` says where a moving wall stands.
-pub(crate) fn cover_bodies<'a>(
-    base: &'a Understood,
-    shape: &impl Fn(u32) -> Option<&'a Shape>,
-    cells: &CellIndex,
-    out: &mut Vec<u32>,
-) {
-    let moves = |w: u32| base.moves.walls.binary_search(&w).is_ok();
-    for body in base.bodies.iter().filter(|b| b.corners.iter().any(|h| moves(h.0))) {
-        let ring = body.ring(|(w, c)| {
-            let shape = shape(w).unwrap_or(&base.plan.walls[w as usize].shape);
-            base.plan.frame.um_from_file(control_points(shape)[c as usize])
-        });
-        if let Some(ring) = ring {
-            cells.vertices_in(&ring, out);
-        }
-    }
 }
 
 fn pieces(

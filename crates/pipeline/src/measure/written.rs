@@ -3,15 +3,15 @@
 use std::collections::BTreeMap;
 
 use crate::measure::look::SeenOn;
-use crate::measure::parts::closed_that_stay;
+use crate::measure::parts::cover_bodies;
 use crate::measure::parts::cover_wide;
 use crate::measure::parts::pieces_of;
 use crate::measure::seen::Seen;
 use crate::measure::study::Study;
-use crate::measure::study::Worth;
-use crate::measure::study::cover_bodies;
+use crate::measure::worth::Worth;
 use crate::read::read_options;
 use crate::understand::options::plan_options;
+use crate::understand::understood::closed_that_stay;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::Shape;
 use enfilade_config::Settings;

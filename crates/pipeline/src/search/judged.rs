@@ -2,8 +2,9 @@
 
 use crate::confirm::explain;
 use crate::confirm::ideas::Stance;
-use crate::measure::aims;
-use crate::measure::study::{Study, Worth};
+use crate::measure::limits;
+use crate::measure::study::Study;
+use crate::measure::worth::Worth;
 use crate::round::Aims;
 use crate::round::PENALTY_FREE;
 use crate::write::made::Made;
@@ -48,7 +49,7 @@ pub(crate) fn evaluation(
         Measure::Penalty => (study.penalty(worth, settings) - PENALTY_FREE).max(0.0),
         _ => study.value(worth, aim),
     };
-    let missed: f64 = aims::missed(study, settings, worth).iter().sum();
+    let missed: f64 = limits::missed(study, settings, worth).iter().sum();
     Evaluation {
         values: objectives.iter().map(|(aim, _)| value(*aim)).collect(),
         violation: worth.cut_off
@@ -114,7 +115,7 @@ fn loss(
 ) -> f64 {
     let is_measure = |aim: &Aim| !matches!(aim.measure, Measure::Score | Measure::Penalty);
     let aims: Vec<_> = objectives.iter().filter(|(aim, _)| is_measure(aim)).collect();
-    let breaks_limit = || aims::missed(study, settings, &study.initial).iter().any(|m| *m > 0.0);
+    let breaks_limit = || limits::missed(study, settings, &study.initial).iter().any(|m| *m > 0.0);
     if is_firm(settings) || aims.len() < 2 || breaks_limit() {
         return 0.0;
     }

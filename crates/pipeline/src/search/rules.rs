@@ -1,8 +1,8 @@
 //! The settings' rules on the parameters: links, modules, pinned options; and why no option keeps the limits.
 
-use crate::measure::aims;
+use crate::measure::limits;
 use crate::measure::study::Study;
-use crate::measure::study::Worth;
+use crate::measure::worth::Worth;
 use crate::understand::understood::Understood;
 use enfilade_config::{Aim, Bound, Follow, Held, Limit, Measure, Method, PairName, Penalty, Settings, Snap};
 use enfilade_moves::Parameter;
@@ -192,9 +192,9 @@ pub fn missed_words(
 
 /// The limits that a layout breaks, each with what it has.
 pub fn broken_limits(study: &Study, settings: &Settings, worth: &Worth) -> Vec<String> {
-    let missed = aims::missed(study, settings, worth);
+    let missed = limits::missed(study, settings, worth);
     let words = |i: usize| {
-        let (value, bound) = aims::held(study, settings, worth, i);
+        let (value, bound) = limits::held(study, settings, worth, i);
         let limit = settings.limits[i];
         let means = limit.change_words().map_or_else(String::new, |words| format!("{words}: "));
         format!("`{limit}` ({means}it has {}, the limit is {})", rounded(value), rounded(bound))

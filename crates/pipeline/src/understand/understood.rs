@@ -2,6 +2,7 @@
 
 use crate::understand::building::NamedOpening;
 use enfilade_cad::drawing::Text;
+use enfilade_engine::geometry::PointUm;
 use enfilade_engine::geometry::Segment;
 use enfilade_engine::interior::Interior;
 use enfilade_moves::Moves;
@@ -11,8 +12,10 @@ use enfilade_plan::fittings::Fitting;
 use enfilade_plan::graph::Graph;
 use enfilade_plan::labels::Label;
 use enfilade_plan::sight::Sight;
+use enfilade_plan::structure;
 use enfilade_plan::structure::Body;
 use enfilade_plan::{Plan, Wall};
+use glam::DVec2;
 
 /// A drawing as understood, with what may move; the part of a study that needs no lattice.
 #[derive(Clone, Debug)]
@@ -60,4 +63,18 @@ impl Understood {
 pub(crate) fn faces(plan: &Plan) -> Vec<Segment> {
     let sided = |w: &'_ Wall| w.trace.segments().flat_map(|s| w.with_sides(s.2)).collect::<Vec<_>>();
     plan.walls.iter().flat_map(sided).collect()
+}
+
+/// How near a moving wall's end must be to a closed gap for the gap to be its own.
+pub(crate) const CLOSED_REACH_M: f64 = 0.1;
+
+/// What stops sight although nothing is drawn, where no moving wall ends: a gap beside a moving wall is
+/// no slip any more once it moves. The building ends where it did.
+pub(crate) fn closed_that_stay(base: &Understood) -> Vec<Segment> {
+    let ends: Vec<DVec2> = base.moves.handles().map(|h| structure::handle_at(&base.plan, *h)).collect();
+    let at = |p: PointUm| base.plan.frame.plan_from_um(p) / base.plan.human_scale;
+    let stays =
+        |s: &&Segment| [s.a, s.b].iter().all(|p| ends.iter().all(|e| e.distance(at(*p)) > CLOSED_REACH_M));
+    let closed = base.sight.closed.iter().filter(stays);
+    closed.chain(&base.sight.ends).copied().collect()
 }

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use crate::job::Input;
 use crate::measure::study::Study;
-use crate::measure::study::Worth;
+use crate::measure::worth::Worth;
 use crate::understand::understood::Understood;
 use crate::write::show;
 use crate::write::{bounded, told};

@@ -152,7 +152,7 @@ pub(crate) fn element(format: Format, e: &Entity) -> ElementRef {
 
 /// What of a record is taken for what: by role the length and the length times the confidence.
 #[derive(Default)]
-struct Tally {
+pub(crate) struct Tally {
     of_role: BTreeMap<&'static str, [f64; 2]>,
 }
 
