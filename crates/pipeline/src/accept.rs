@@ -3,6 +3,7 @@
 //! The drawing gets the moves and nothing else; what the next round needs to know (moves with the
 //! bounds that are left, settings, where it came from) stands in its side-car.
 
+use crate::job::Job;
 use crate::read;
 use crate::understand::understood;
 use std::collections::BTreeSet;
@@ -11,11 +12,11 @@ use toml::{Table, Value};
 
 use crate::job::Input;
 use crate::measure::ruler::ruler;
+use crate::understand::edits::edits_of;
+use crate::understand::edits::tied;
 use crate::understand::fits;
 use crate::understand::marked;
 use crate::understand::understood::Understood;
-use crate::write::made::edits_of;
-use crate::write::made::tied;
 use enfilade_cad::drawing::{Format, Unit};
 use enfilade_cad::units::unit_by_name;
 use enfilade_config::{
@@ -125,7 +126,9 @@ pub fn accept(
     let layout = base.moves.apply(&base.plan, &base.graph, parameters);
     let options = read::read_options(&settings);
     let mut edits = edits_of(&base, &layout);
-    edits.extend(tied(input, &settings, &base, &edits)?.following.into_iter().map(|f| f.edit));
+    edits.extend(
+        tied(Job { input, settings: &settings }, &base, &edits)?.following.into_iter().map(|f| f.edit),
+    );
     let drawing = enfilade_cad::patch(input.file(), &input.bytes, &options, &edits, &[])?;
     let lineage = LineageTable {
         drawing: input.file().into(),

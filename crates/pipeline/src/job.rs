@@ -1,5 +1,6 @@
 //! What a job is given, what it says while it runs, and what it hands out.
 
+use enfilade_report::Cancel;
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
@@ -132,4 +133,33 @@ pub struct Keep {
     pub is_anew: bool,
     /// The bytes.
     pub bytes: Vec<u8>,
+}
+
+/// A drawing and what is asked of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Job<'a> {
+    /// The drawing.
+    pub(crate) input: &'a Input<'a>,
+    /// What is asked.
+    pub(crate) settings: &'a Settings,
+}
+
+/// Who follows a running job: is told of it, and may stop it.
+pub(crate) struct Watch<'a> {
+    /// Takes what the job says.
+    pub(crate) show: &'a mut (dyn FnMut(Event) + Send),
+    /// Whether it is to stop.
+    pub(crate) cancel: &'a Cancel,
+}
+
+impl Watch<'_> {
+    /// Says that a stage begins.
+    pub(crate) fn stage(&mut self, stage: &str, total: Option<u64>) {
+        self.progress(Progress { stage: stage.into(), total, ..Default::default() });
+    }
+
+    /// Says how far the job is.
+    pub(crate) fn progress(&mut self, progress: Progress) {
+        (self.show)(Event::Progress(progress));
+    }
 }

@@ -1,19 +1,20 @@
 //! The other storeys of a building: each checked and measured by itself, in a folder of its own.
 
-use crate::analyse_storey;
-use crate::check_picture;
-use crate::job::Input;
+use crate::job::Job;
 use crate::measure::study::Study;
 use crate::read;
+use crate::storey::analyse_storey;
 use crate::understand::building;
 use crate::understand::sensed::Sensed;
 use crate::understand::understood;
 use crate::understand::understood::Understood;
+use crate::write::check_picture::check_picture;
 use crate::write::show;
 use enfilade_cad::{Opened, StoreyInfo};
 use enfilade_config::Settings;
 use enfilade_overlay::result::{BuildingEntry, Numbers, ProblemEntry, StoreyEntry};
 use enfilade_report::{Cancel, Error, OutFile, Report, Severity};
+use rayon::prelude::*;
 
 /// Most storeys of one building that are measured.
 pub const STOREYS_MAX: usize = 64;
@@ -99,14 +100,14 @@ pub(crate) fn check(
     let drawings = opened.read_all(&options);
     let others: Vec<_> = others.zip(&drawings).collect();
     let is_drawn = files.is_some();
-    let made = crate::rayon_map(&others, |(own, (drawing, report))| {
+    let made = others.par_iter().map(|(own, (drawing, report))| {
         let mut report = report.clone();
         let drawing = drawing.as_ref().map_err(Clone::clone)?;
         let base = understood(drawing, own, &mut report)?;
         let png = is_drawn.then(|| check_picture(&base, &Sensed::new(&base, own))).transpose()?;
         Ok((png, base, report))
     });
-    let mut made = made.into_iter();
+    let mut made = made.collect::<Vec<Result<_, Error>>>().into_iter();
     let mut out = Vec::new();
     for (i, (storey, folder, _)) in list.iter().enumerate() {
         if Some(i) == main {
@@ -144,13 +145,13 @@ fn building_entry(e: enfilade_cad::ifc::Elements) -> BuildingEntry {
 /// # Errors
 /// [`Error::Stopped`].
 pub(crate) fn analyse(
-    input: &Input<'_>,
-    settings: &Settings,
+    job: Job<'_>,
     shown: &Study,
     files: &mut Vec<OutFile>,
     report: &mut Report,
     cancel: &Cancel,
 ) -> Result<Vec<StoreyEntry>, Error> {
+    let Job { input, settings } = job;
     let found = enfilade_cad::storeys(input.file(), &input.bytes, &read::read_options(settings));
     let list = others(&found, settings);
     let main = main_of(&found, &list, settings);
@@ -161,7 +162,7 @@ pub(crate) fn analyse(
             out.push(entry(storey, &shown.base, ".", show::mean_numbers(shown, &shown.initial)));
             continue;
         }
-        out.push(match analyse_storey(input, own, shown.roots, &mut || {}, cancel) {
+        out.push(match analyse_storey(Job { input, settings: own }, shown.roots, &mut || {}, cancel) {
             Ok((outcome, study)) => {
                 let inside =
                     |f: OutFile| OutFile { path: format!("{folder}/{}", f.path.display()).into(), ..f };

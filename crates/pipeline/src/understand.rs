@@ -3,6 +3,7 @@
 pub(crate) mod behind;
 pub(crate) mod building;
 pub(crate) mod carrying;
+pub(crate) mod edits;
 pub(crate) mod far;
 pub(crate) mod fits;
 pub(crate) mod gaps;

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::confirm::explain::relative_gain;
 use crate::measure::estimate::{Sampled, interval};
 use crate::measure::lattices;
 use crate::measure::look::LatticeAt;
 use crate::measure::seen::Use;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
-use crate::round::Aims;
+use crate::search::brief::Aims;
+use crate::search::gain::relative_gain;
 use crate::search::judged::hidden;
 use enfilade_config::{Aim, Measure, Settings};
 use enfilade_overlay::result::{Gain, Gains, Interval, Sense as ShownSense};

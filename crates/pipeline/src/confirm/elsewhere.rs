@@ -1,20 +1,22 @@
 //! Other ideas on purpose: the best layouts often share one or two moves that hide all else, so the search looks again
 //! without them.
 
-use crate::confirm::explain::total_gain;
 use crate::confirm::found::shown;
 use crate::confirm::refined::without_each;
-use crate::round::{BATCH, Brief, is_bare, measured};
+use crate::search::brief::BATCH;
+use crate::search::brief::Brief;
+use crate::search::brief::is_bare;
+use crate::search::budget::SEARCHES;
+use crate::search::budget::SHARE;
+use crate::search::gain::total_gain;
+use crate::search::judged::measured;
 use enfilade_config::Mode;
 use enfilade_report::{Cancel, Error};
 use enfilade_search::{Evaluation, Point, Search};
 
-/// Searches without some of the groups that the best layout gains most by, …
-pub(crate) const SEARCHES: usize = 2;
 /// … each without as many of them as bring this share of its gain, one after the other: two such searches share none.
 const HIDING: f64 = 0.35;
-/// Layouts measured by each, as a share of those that the search measured.
-pub(crate) const SHARE: f64 = 0.1;
+
 /// … but no fewer, or nothing is learned.
 const LEAST: u64 = 20;
 

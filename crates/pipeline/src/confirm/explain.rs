@@ -1,9 +1,10 @@
 //! Why an option is good: which of its moves bring the gain, how far it stands from the others, and what
 //! it gave up.
 
+use crate::search::gain::total_gain;
 use rayon::prelude::*;
 
-use crate::measure::study::{Study, divisor};
+use crate::measure::study::Study;
 use enfilade_moves::control::{Breach, Control};
 use enfilade_overlay::result::{Explanation, Numbers, Objective, Part, Sense};
 use enfilade_search::normalised_distance;
@@ -125,40 +126,6 @@ fn without_groups(study: &Study, p: &[f64]) -> Vec<(String, u64, Vec<f64>)> {
         (name, 1, rest)
     };
     groups.iter().map(without).collect()
-}
-
-/// What is smaller, as a share of the present value, nobody would call a gain.
-pub const LEAST_GAIN: f64 = 0.005;
-
-/// What is gained over the present value, as a share of it; where that is 0, as a score's, as it is.
-pub fn relative_gain(is_more_better: bool, now: f64, present: f64) -> f64 {
-    let gain = if is_more_better { now - present } else { present - now };
-    gain / divisor(present)
-}
-
-/// The relative gain in every objective but the penalty.
-fn relative_gains<'a>(objectives: &'a [Objective], values: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-    let aims = objectives.iter().zip(values).filter(|(o, _)| o.name != "penalty");
-    aims.map(|(o, v)| relative_gain(o.sense == Sense::Max, *v, o.initial))
-}
-
-/// Sum of the gains over the present layout: the order in which options are shown.
-pub fn total_gain(objectives: &[Objective], values: &[f64]) -> f64 {
-    relative_gains(objectives, values).sum()
-}
-
-/// Whether a layout is worth showing: it gains something in an objective, and, unless the user's own
-/// thresholds decide (`is_firm`), not less than it loses in the others. A score is as large as `score_weight`, the
-/// largest of its weights, makes it.
-pub fn is_better(objectives: &[Objective], values: &[f64], is_firm: bool, score_weight: f64) -> bool {
-    let least = |o: &Objective| LEAST_GAIN * if o.name == "score" { score_weight.min(1.0) } else { 1.0 };
-    let aims = objectives.iter().filter(|o| o.name != "penalty");
-    let mut gains = relative_gains(objectives, values).zip(aims.clone());
-    let gains_somewhere = gains.any(|(g, o)| g > 0.0 && g >= least(o));
-    let has_aims = objectives.iter().any(|o| o.name != "penalty");
-    // Who is content with anything that is no worse gets it.
-    let is_all_wanted = is_firm && aims.into_iter().all(|o| o.threshold == 0.0);
-    !has_aims || is_all_wanted || gains_somewhere && (is_firm || total_gain(objectives, values) > 0.0)
 }
 
 #[cfg(test)]

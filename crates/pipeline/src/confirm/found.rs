@@ -1,15 +1,23 @@
 //! What a search found, in our terms: options, the best layout, the course of the search.
 
+use crate::confirm::nothing;
+use crate::search::gain;
 use rayon::prelude::*;
 
 use crate::confirm::confirmed;
 use crate::confirm::explain;
+use crate::confirm::ideas::apart;
+use crate::confirm::ideas::moves_visibly;
 use crate::confirm::refined::{Refined, refined};
 use crate::measure::study::Study;
-use crate::round::{Aims, Brief, PENALTY_FREE, is_bare};
-use crate::search::judged::{apart, evaluation, is_firm, moves_visibly, pinned};
+use crate::search::brief::Aims;
+use crate::search::brief::Brief;
+use crate::search::brief::PENALTY_FREE;
+use crate::search::brief::is_bare;
+use crate::search::judged::evaluation;
+use crate::search::judged::is_firm;
+use crate::search::judged::pinned;
 use crate::search::rules;
-use crate::write::told;
 use enfilade_config::{Method, Mode, Settings};
 use enfilade_overlay::Series;
 use enfilade_overlay::measure::plain_name;
@@ -104,7 +112,7 @@ pub(crate) fn found(brief: &Brief<'_>, search: &Search, others: &[enfilade_searc
         if !is_unmet {
             let nearest = control.expand(&best.parameters);
             let sure_gain = out.best.as_ref().and_then(|(_, g)| confirmed::sure_gain(objectives, g));
-            return told::nothing_returned(
+            return nothing::nothing_returned(
                 brief,
                 outcome.evaluations,
                 (&nearest, is_best_better),
@@ -211,7 +219,7 @@ fn confirm(brief: &Brief<'_>, out: &mut Refined) {
 
 fn is_better(settings: &Settings, objectives: &[Objective], values: &[f64]) -> bool {
     let weight = settings.score.iter().map(|(_, w)| w.abs()).fold(0.0, f64::max);
-    explain::is_better(objectives, values, is_firm(settings), weight)
+    gain::is_better(objectives, values, is_firm(settings), weight)
 }
 
 /// The layout that keeps hard limits and thresholds and gains most in all, as options are ordered; a single objective has
@@ -230,7 +238,7 @@ fn best_in_all<'a>(
         p.violation == 0.0
             && sides.into_iter().all(|((o, v), t)| if o.sense == ShownSense::Max { v >= t } else { v <= t })
     };
-    let gain = |p: &enfilade_search::Point| explain::total_gain(objectives, &p.values);
+    let gain = |p: &enfilade_search::Point| gain::total_gain(objectives, &p.values);
     let kept = outcome.archive.iter().filter(|p| keeps(p));
     kept.fold(&outcome.best, |best, p| if gain(p) > gain(best) { p } else { best })
 }
@@ -256,7 +264,7 @@ fn keep_better(
     let pinned = pinned(settings).min(members.len());
     let mut free = members.split_off(pinned);
     free.retain(|m| moves_visibly(study, &m.parameters));
-    let gain = |m: &enfilade_search::Member| explain::total_gain(objectives, &m.values);
+    let gain = |m: &enfilade_search::Member| gain::total_gain(objectives, &m.values);
     free.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
     if settings.method == Method::Paper {
         members.append(&mut free);

@@ -1,5 +1,6 @@
 //! Which layouts are ideas of their own: people experience them otherwise, and their walls stand elsewhere.
 
+use enfilade_overlay::words;
 use std::collections::BTreeMap;
 
 use crate::measure::aims::cell_values;
@@ -107,6 +108,27 @@ impl Stance {
             false
         })
     }
+}
+
+/// Whether some parameter has moved by so much that the words would tell it.
+pub(crate) fn moves_visibly(study: &Study, parameters: &[f64]) -> bool {
+    let (bounds, identity) = (study.base.moves.bounds(), study.base.moves.identity());
+    let ways = parameters.iter().zip(&identity).zip(&bounds);
+    ways.into_iter().any(|((p, still), [lo, hi])| (p - still).abs() >= words::SMALLEST_SHARE * (hi - lo))
+}
+
+/// The options that differ in the drawing: what stands on the same lines to a millimetre, a screen turned by half
+/// a turn or two of one length exchanged, is one option.
+pub(crate) fn apart(study: &Study, members: Vec<enfilade_search::Member>) -> Vec<enfilade_search::Member> {
+    let mut out: Vec<(Stance, enfilade_search::Member)> = Vec::new();
+    for m in members {
+        let base = &study.base;
+        let stance = Stance::of(study, &base.moves.apply(&base.plan, &base.graph, &m.parameters));
+        if out.iter().all(|(other, _)| !other.is(&stance)) {
+            out.push((stance, m));
+        }
+    }
+    out.into_iter().map(|(_, m)| m).collect()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! moves that bring nothing, and confirmed on lattices of their own.
 
 use crate::confirm::confirmed;
-use crate::confirm::explain::total_gain;
+use crate::confirm::ideas::moves_visibly;
 use crate::confirm::ideas::{Experience, SAME_MAPS, Stance};
 use crate::confirm::sound::is_sound;
 use crate::confirm::stripped::Stripper;
@@ -10,8 +10,12 @@ use crate::measure::lattices;
 use crate::measure::seen::Use;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
-use crate::round::Brief;
-use crate::search::judged::{evaluation, gained, is_firm, moves_visibly, pinned};
+use crate::search::brief::Brief;
+use crate::search::gain::total_gain;
+use crate::search::judged::evaluation;
+use crate::search::judged::gained;
+use crate::search::judged::is_firm;
+use crate::search::judged::pinned;
 use enfilade_overlay::result::{Gains, Objective};
 use enfilade_search::{Member, Outcome, Point, normalised_distance};
 

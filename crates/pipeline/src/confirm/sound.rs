@@ -1,8 +1,10 @@
 //! Whether a layout of default moves can be offered: what only the file and all its doors say.
 
+use crate::job::Job;
 use crate::read;
-use crate::round::Brief;
-use crate::write::made::{edits_of, tied};
+use crate::search::brief::Brief;
+use crate::understand::edits::edits_of;
+use crate::understand::edits::tied;
 use enfilade_moves::narrowed::Doors;
 
 /// Whether no joint with a wall that the plan does not show opens, and no door becomes narrower. What the search holds
@@ -20,7 +22,7 @@ pub(crate) fn is_sound(brief: &Brief<'_>, parameters: &[f64]) -> bool {
         return true;
     }
     let mut edits = edits_of(base, &layout);
-    let Ok(tied) = tied(input, settings, base, &edits) else { return true };
+    let Ok(tied) = tied(Job { input, settings }, base, &edits) else { return true };
     edits.extend(tied.following.into_iter().map(|f| f.edit));
     // What cannot be written is told when it is.
     let changes = enfilade_cad::changes(input.file(), &input.bytes, &read::read_options(settings), &edits);

@@ -1,8 +1,8 @@
 //! An option without what brings nothing: moves whose return costs next to nothing go back, what remains goes to round
 //! lengths and angles.
 
-use crate::confirm::explain::total_gain;
-use crate::round::Brief;
+use crate::search::brief::Brief;
+use crate::search::gain::total_gain;
 use crate::search::judged::evaluation;
 use enfilade_moves::Parameter;
 use enfilade_overlay::result::Objective;

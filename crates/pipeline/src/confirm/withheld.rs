@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::measure::faults::Faults;
 use crate::measure::worth::Worth;
-use crate::round::Brief;
+use crate::search::brief::Brief;
 use crate::search::judged::{evaluation, gained};
 use enfilade_config::{Allow, Settings};
 use enfilade_report::counted;

@@ -4,6 +4,7 @@
 //! rank-1 rule, (i/K, 3i/K) of the spacing, errs a third as much at the same cost: the K shifts have K different
 //! abscissae and ordinates, where a grid of shifts has only √K of each (`BENCHMARKS.md`, "Gains").
 
+use crate::measure::seen::Use;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -79,4 +80,11 @@ fn shifted(settings: &Settings, purpose: Purpose, spacing_m: f64, count: u32) ->
         }
     };
     (0..count).map(at).collect()
+}
+
+/// The study on the lattices that layouts are searched on, on the same graphics card; none where these have no cells.
+pub(crate) fn trial(study: &Study, settings: &Settings) -> Option<Study> {
+    let mut trial = study.on_lattices(settings, &searched(study, settings), Use::Search).ok()?;
+    trial.share_card(study);
+    Some(trial)
 }

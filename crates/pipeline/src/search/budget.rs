@@ -2,10 +2,9 @@
 
 use std::time::Instant;
 
-use crate::confirm::elsewhere;
 use crate::measure::study::Study;
-use crate::round::BATCH;
-use crate::round::is_bare;
+use crate::search::brief::BATCH;
+use crate::search::brief::is_bare;
 use crate::search::memory::{Clock, Pace};
 use enfilade_config::Settings;
 use enfilade_search::{Search, Stop};
@@ -33,7 +32,7 @@ pub(crate) fn stated(study: &Study, settings: &Settings) -> Option<u64> {
 const AFTER_SEARCH: f64 = 0.35;
 
 fn search_share(settings: &Settings) -> f64 {
-    let elsewhere = elsewhere::SEARCHES as f64 * elsewhere::SHARE;
+    let elsewhere = SEARCHES as f64 * SHARE;
     if is_bare(settings) { 1.0 } else { (1.0 - AFTER_SEARCH) / (1.0 + elsewhere) }
 }
 
@@ -93,3 +92,9 @@ impl<'a> Allowance<'a> {
         pace.unwrap_or_default()
     }
 }
+
+/// Searches without some of the groups that the best layout gains most by, …
+pub(crate) const SEARCHES: usize = 2;
+
+/// Layouts measured by each, as a share of those that the search measured.
+pub(crate) const SHARE: f64 = 0.1;

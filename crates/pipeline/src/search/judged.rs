@@ -1,17 +1,16 @@
 //! What layouts are worth to the search, and which of those found are options.
 
-use crate::confirm::explain;
-use crate::confirm::ideas::Stance;
 use crate::measure::limits;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
-use crate::round::Aims;
-use crate::round::PENALTY_FREE;
-use crate::write::made::Made;
+use crate::search::brief::Aims;
+use crate::search::brief::Brief;
+use crate::search::brief::PENALTY_FREE;
+use crate::search::brief::is_bare;
+use crate::search::gain;
 use enfilade_config::{Aim, Held, Measure, Method, Mode, PairName, Penalty, Settings, Thresholds};
-use enfilade_overlay::result::Diversity;
-use enfilade_overlay::words;
-use enfilade_search::{Evaluation, Sense, normalised_distance};
+use enfilade_search::{Evaluation, Sense};
+use rayon::prelude::*;
 
 /// Threshold of the implied penalty objective: no option has more of it than the present layout. To ask
 /// for less would pin every option to the few places where the penalty is least.
@@ -67,8 +66,7 @@ pub(crate) fn gained(study: &Study, settings: &Settings, objectives: &Aims, wort
     let of = |worth: &Worth| evaluation(study, settings, objectives, worth).values;
     let all = objectives.iter().zip(of(worth).into_iter().zip(of(&study.initial)));
     let aims = all.filter(|((_, o), _)| !o.is_penalty);
-    aims.map(|((_, o), (now, present))| explain::relative_gain(o.sense == Sense::Maximise, now, present))
-        .sum()
+    aims.map(|((_, o), (now, present))| gain::relative_gain(o.sense == Sense::Maximise, now, present)).sum()
 }
 
 /// The pairs of regions of objectives, of the score where it is one, and of limits, of which nothing is seen any more, though it is at present; the unnamed one is
@@ -121,7 +119,7 @@ fn loss(
     }
     let gain = |(aim, o): &&(Aim, enfilade_search::Objective)| {
         let is_more_better = o.sense == enfilade_search::Sense::Maximise;
-        explain::relative_gain(is_more_better, study.value(worth, *aim), study.value(&study.initial, *aim))
+        gain::relative_gain(is_more_better, study.value(worth, *aim), study.value(&study.initial, *aim))
     };
     let gained: f64 = aims.iter().map(gain).sum();
     if gained < -LOSS_FREE { -gained - LOSS_FREE } else { 0.0 }
@@ -137,45 +135,24 @@ pub(crate) fn pinned(settings: &Settings) -> usize {
     if settings.mode == Mode::Best || settings.method == Method::Paper { 0 } else { settings.pinned.len() }
 }
 
-/// Whether some parameter has moved by so much that the words would tell it.
-pub(crate) fn moves_visibly(study: &Study, parameters: &[f64]) -> bool {
-    let (bounds, identity) = (study.base.moves.bounds(), study.base.moves.identity());
-    let ways = parameters.iter().zip(&identity).zip(&bounds);
-    ways.into_iter().any(|((p, still), [lo, hi])| (p - still).abs() >= words::SMALLEST_SHARE * (hi - lo))
-}
+/// Violation of what breaks a rule, as only a pinned option can: others are brought to what the rules allow.
+pub(crate) const RULE_BROKEN: f64 = 1.0;
 
-/// The options that differ in the drawing: what stands on the same lines to a millimetre, a screen turned by half
-/// a turn or two of one length exchanged, is one option.
-pub(crate) fn apart(study: &Study, members: Vec<enfilade_search::Member>) -> Vec<enfilade_search::Member> {
-    let mut out: Vec<(Stance, enfilade_search::Member)> = Vec::new();
-    for m in members {
-        let base = &study.base;
-        let stance = Stance::of(study, &base.moves.apply(&base.plan, &base.graph, &m.parameters));
-        if out.iter().all(|(other, _)| !other.is(&stance)) {
-            out.push((stance, m));
-        }
-    }
-    out.into_iter().map(|(_, m)| m).collect()
-}
-
-/// How far apart the options stand, every pair once.
-fn pairs(study: &Study, made: &[Made]) -> Vec<([usize; 2], f64)> {
-    let bounds = study.base.moves.bounds();
-    let apart = |i: usize, j: usize| {
-        normalised_distance(&bounds, &made[i].member.parameters, &made[j].member.parameters)
+/// What vectors of free parameters are worth.
+pub(crate) fn measured(brief: &Brief<'_>, vectors: &[Vec<f64>]) -> Vec<Evaluation> {
+    let Brief { study, trial, settings, control, objectives, .. } = *brief;
+    let layouts: Vec<Vec<f64>> = vectors.iter().map(|p| control.expand(p)).collect();
+    let worths = trial.measure_all(&layouts);
+    // A limit holds for the numbers that are shown.
+    let has_limits = settings.limits.iter().any(|l| matches!(l.held, Held::Aim(_)));
+    let here = (has_limits && !is_bare(settings)).then(|| study.measure_all(&layouts));
+    let missed_here = |i: usize| {
+        here.as_ref().map_or(0.0, |all| limits::missed(study, settings, &all[i]).iter().sum::<f64>())
     };
-    let after = |i: usize| (i + 1..made.len()).map(move |j| ([i, j], apart(i, j)));
-    (0..made.len()).flat_map(after).collect()
-}
-
-pub(crate) fn distances(study: &Study, made: &[Made]) -> Diversity {
-    let all: Vec<f64> = pairs(study, made).into_iter().map(|(_, apart)| apart).collect();
-    let min_distance = all.iter().copied().reduce(f64::min);
-    let mean_distance = (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
-    Diversity { min_distance, mean_distance, likeness: None }
-}
-
-/// The two options most alike, and how far apart they stand.
-pub(crate) fn nearest(study: &Study, made: &[Made]) -> Option<([usize; 2], f64)> {
-    pairs(study, made).into_iter().min_by(|a, b| a.1.total_cmp(&b.1))
+    let of = |(i, (worth, q)): (usize, (&Worth, &Vec<f64>))| {
+        let found = evaluation(trial, settings, objectives, worth);
+        let breach = if control.pinned_breaks(q) { RULE_BROKEN } else { 0.0 };
+        Evaluation { violation: found.violation + breach + missed_here(i), ..found }
+    };
+    worths.par_iter().zip(vectors).enumerate().map(of).collect()
 }

@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use sha2::{Digest, Sha256};
 
 use crate::job::Input;
-use crate::round::BATCH;
+use crate::search::brief::BATCH;
 use enfilade_config::{Settings, Twin};
 use enfilade_search::Evaluation;
 

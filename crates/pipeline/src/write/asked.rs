@@ -2,7 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::write::reading::{Places, share};
+use crate::write::places::Places;
+use crate::write::places::share;
 use enfilade_cad::drawing::Unit;
 use enfilade_overlay::reading::{AnswerEntry, QuestionEntry};
 use enfilade_plan::Plan;
@@ -35,7 +36,7 @@ fn values(question: &Question, at: &Places<'_>) -> Map<String, Value> {
         Question::Unit { witness, length, units } => json!({
             "witness": match witness { Witness::Door => "door", Witness::Wall => "wall", Witness::Plan => "plan" },
             "length": length,
-            "lengths_m": units.iter().map(|u| crate::write::reading::round_mm(length * u.metres)).collect::<Vec<_>>(),
+            "lengths_m": units.iter().map(|u| crate::write::places::round_mm(length * u.metres)).collect::<Vec<_>>(),
         }),
         Question::View { views } => json!({ "views": views.iter().map(|v| &v.1).collect::<Vec<_>>() }),
         Question::Walls { layer, count } => json!({ "layer": layer, "count": count }),

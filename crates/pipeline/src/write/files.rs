@@ -1,18 +1,19 @@
 //! The pictures and drawings of a round.
 
+use crate::job::Job;
 use crate::read;
+use crate::write::maps;
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-use crate::MapLook;
 use crate::confirm::found::Found;
-use crate::heat_map;
-use crate::job::Input;
 use crate::measure::study::Study;
-use crate::rayon_map;
-use crate::round::gains_words;
+use crate::write::heat_maps::MapLook;
+use crate::write::heat_maps::heat_map;
 use crate::write::made::Made;
+use crate::write::maps::Map;
+use crate::write::round_result::gains_words;
 use crate::write::show;
-use crate::write::show::Map;
 use crate::write::traces;
 use crate::write::traces::Traces;
 use enfilade_cad::drawing::Addition;
@@ -40,17 +41,17 @@ struct Shown {
 
 fn shown(settings: &Settings, study: &Study, made: &[&Made]) -> Vec<Shown> {
     let of = |map: Map| {
-        let initial = show::values(study, &study.initial, map, settings);
+        let initial = maps::values(study, &study.initial, map, settings);
         let members: Vec<Vec<f64>> =
-            made.iter().map(|m| show::values(study, &m.worth, map, settings)).collect();
+            made.iter().map(|m| maps::values(study, &m.worth, map, settings)).collect();
         let all = initial.iter().chain(members.iter().flatten()).copied();
         let scale = Scale::of(all.filter(|v| v.is_finite()));
-        let look = MapLook { title: map.title(), unit: map.unit(), scale, palette: show::palette(settings) };
+        let look = MapLook { title: map.title(), unit: map.unit(), scale, palette: maps::palette(settings) };
         let change = change(settings, map, &initial, &members);
         let own = Shown { pair: map.pair, file: map.file(), look, initial: Some(initial), members };
         std::iter::once(own).chain(change)
     };
-    show::maps(study).into_iter().flat_map(of).collect()
+    maps::maps(study).into_iter().flat_map(of).collect()
 }
 
 /// What becomes better where, and what worse: of what is asked for and of what is seen.
@@ -73,18 +74,14 @@ fn change(settings: &Settings, map: Map, initial: &[f64], members: &[Vec<f64>]) 
     Some(Shown { pair: map.pair, file: map.file() + CHANGE, look, initial: None, members })
 }
 
-pub(crate) fn pictures(
-    input: &Input<'_>,
-    settings: &Settings,
-    study: &Study,
-    made: &[&Made],
-) -> Result<Vec<OutFile>, Error> {
+pub(crate) fn pictures(job: Job<'_>, study: &Study, made: &[&Made]) -> Result<Vec<OutFile>, Error> {
+    let Job { input, settings } = job;
     let shown = shown(settings, study, made);
     let present = show::picture(&study.base);
     let moved: Vec<_> = made.iter().map(|m| traces::moved_picture(&study.base, &m.layout)).collect();
     let jobs: Vec<(usize, usize)> =
         (0..shown.len()).flat_map(|s| (0..=made.len()).map(move |m| (s, m))).collect();
-    let files = rayon_map(&jobs, |(s, m)| {
+    let files = jobs.par_iter().map(|(s, m)| {
         let of = &shown[*s];
         let (name, picture, values, subtitle) = match m.checked_sub(1) {
             None => {
@@ -99,17 +96,17 @@ pub(crate) fn pictures(
         let png = heat_map(study, picture, (of.pair, values), &of.look, &subtitle);
         Some(png.map(|png| OutFile::new(format!("{name}-{}.png", of.file), png)))
     });
-    files.into_iter().flatten().collect()
+    files.collect::<Vec<_>>().into_iter().flatten().collect()
 }
 
 /// `initial.dxf` and the candidates: the drawing's own bytes with the moves and our layers.
 pub(crate) fn drawings(
-    input: &Input<'_>,
-    settings: &Settings,
+    job: Job<'_>,
     study: &Study,
     made: &[&Made],
     result: &RoundResult,
 ) -> Result<Vec<OutFile>, Error> {
+    let Job { input, settings } = job;
     let mut shown = shown(settings, study, made);
     // Layer names are short in old versions: two maps may come to the same.
     let layers: Vec<String> = shown.iter().map(|s| heat_layer(&s.file)).collect();
@@ -120,15 +117,15 @@ pub(crate) fn drawings(
         let of = |s: &Shown| {
             let values = member.map_or(s.initial.as_ref(), |i| s.members.get(i));
             let Some(values) = values else { return Vec::new() };
-            let (cells, look) = (show::cells(study, s.pair, values), &s.look);
+            let (cells, look) = (maps::cells(study, s.pair, values), &s.look);
             heat_additions(&heat_layer(&s.file), &cells, study.spacing_m, look.scale, look.palette)
         };
         shown.iter().flat_map(of).collect()
     };
     let jobs: Vec<Option<usize>> = std::iter::once(None).chain((0..made.len()).map(Some)).collect();
-    rayon_map(&jobs, |job| {
-        let mut additions = heat(*job);
-        let (name, edits) = match job {
+    let files = jobs.par_iter().map(|of| {
+        let mut additions = heat(*of);
+        let (name, edits) = match of {
             None => ("initial".to_string(), Vec::new()),
             Some(i) => {
                 let m = &made[*i];
@@ -158,9 +155,8 @@ pub(crate) fn drawings(
         let options = read::read_options(settings);
         let bytes = enfilade_cad::patch(input.file(), &input.bytes, &options, &edits, &additions)?;
         Ok(OutFile::new(format!("{name}.{}", study.base.plan.format.name()), bytes))
-    })
-    .into_iter()
-    .collect()
+    });
+    files.collect::<Vec<_>>().into_iter().collect()
 }
 
 /// What scenes name as lying beside them, to lie beside these too; what is named as a file of a round is not copied.

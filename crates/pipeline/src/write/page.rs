@@ -2,7 +2,8 @@
 
 use crate::confirm::found::Found;
 use crate::job::Input;
-use crate::write::show::Map;
+use crate::job::Job;
+use crate::write::maps::Map;
 use enfilade_config::{Allow, Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure};
 use enfilade_overlay::measure::CHANGE;
 use enfilade_overlay::page::{ArchivePoint, ReportInput, View, report_html};
@@ -14,13 +15,13 @@ const ARCHIVE_SHOWN_MAX: usize = 400;
 
 /// `report.html`.
 pub(crate) fn page(
-    input: &Input<'_>,
-    settings: &Settings,
+    job: Job<'_>,
     result: &RoundResult,
     (files, maps): (&[OutFile], &[Map]),
     understood: &[u8],
     found: Option<&Found>,
 ) -> String {
+    let Job { input, settings } = job;
     let png = |name: &str| files.iter().find(|f| f.path.as_os_str() == name).map(|f| f.bytes.as_slice());
     let changed = |m: &Map| [(m.key(), m.file()), (m.key() + CHANGE, m.file() + CHANGE)];
     let names: Vec<(String, String)> = maps.iter().flat_map(changed).collect();

@@ -1,5 +1,8 @@
 //! `reading` of `enfilade.check/2`.
 
+use crate::write::places::Places;
+use crate::write::places::round_mm;
+use crate::write::places::share;
 use std::collections::BTreeMap;
 
 use glam::DVec2;
@@ -14,7 +17,6 @@ use enfilade_cad::drawing::{Drawing, Entity, Format};
 use enfilade_cad::own_layers;
 use enfilade_cad::roles::Role;
 use enfilade_engine::Region;
-use enfilade_engine::geometry::PointUm;
 use enfilade_overlay::reading::{
     AreaReading, EntityReading, Headline, OpeningReading, Reading, RoomReading, UnitReading, UnitRival,
     ViewReading, WallReading,
@@ -29,9 +31,6 @@ use enfilade_plan::view_names::Title;
 
 /// Chords of a curved wall's axis turn by at most this, radians.
 const CHORD_RAD: f64 = 0.2;
-
-/// Places are told to this, metres.
-const GRAIN_M: f64 = 1e-6;
 
 /// What a drawing is taken for.
 pub(crate) fn reading(base: &Understood, drawing: &Drawing, sensed: &Sensed) -> Reading {
@@ -78,41 +77,6 @@ pub(crate) fn headline<'a>(base: &'a Understood, sensed: &Sensed) -> Headline<'a
         unit: base.plan.unit.unit.name,
         counts: [plans, base.axes.edges.len(), doors],
         coverage: coverage(&base.plan, sensed).filter(|_| base.plan.markers.query.is_empty()),
-    }
-}
-
-/// A share rounded as far as it is known.
-pub(crate) fn share(value: f64) -> f64 {
-    (value * 1e3).round() / 1e3 + 0.0
-}
-
-/// Places in drawing units, rounded.
-pub(crate) struct Places<'a> {
-    plan: &'a Plan,
-    grains: f64,
-}
-
-impl<'a> Places<'a> {
-    pub fn new(plan: &'a Plan) -> Self {
-        let digits = (plan.frame.metres_per_unit / GRAIN_M).log10().ceil();
-        Self { plan, grains: 10f64.powf(digits.clamp(0.0, 12.0)) }
-    }
-
-    pub fn file(&self, p: DVec2) -> [f64; 2] {
-        p.to_array().map(|v| (v * self.grains).round() / self.grains + 0.0)
-    }
-
-    pub fn um(&self, p: PointUm) -> [f64; 2] {
-        self.file(self.plan.frame.file_from_um(p))
-    }
-
-    /// From metres of a person.
-    pub fn person(&self, p: DVec2) -> [f64; 2] {
-        self.file(self.plan.frame.file_from_plan(p * self.plan.human_scale))
-    }
-
-    fn ring(&self, ring: &[PointUm]) -> Vec<[f64; 2]> {
-        ring.iter().map(|p| self.um(*p)).collect()
     }
 }
 
@@ -252,10 +216,6 @@ pub(crate) fn axis(base: &Understood, edge: &Edge) -> Vec<DVec2> {
     let chords = (sweep.abs() / CHORD_RAD).ceil().max(1.0) as usize;
     let on = |k: usize| centre + DVec2::from_angle(start + sweep * k as f64 / chords as f64) * radius;
     std::iter::once(a).chain((1..chords).map(on)).chain([b]).collect()
-}
-
-pub(crate) fn round_mm(metres: f64) -> f64 {
-    (metres * 1e4).round() / 1e4
 }
 
 /// The kind of an opening as the schema names it.

@@ -1,11 +1,11 @@
 //! From a study to what the overlay shows: strokes, cells, result entries.
 
+use crate::write::maps::Map;
+use enfilade_engine::geometry::UM_PER_M;
 use glam::DVec2;
 
-use crate::measure::aims::cell_values;
 use crate::measure::seen::Seen;
 use crate::measure::study::Study;
-use crate::measure::study::divisor;
 use crate::measure::worth::Worth;
 use crate::understand::building;
 use crate::understand::sensed::{Sensed, of_entity};
@@ -14,16 +14,14 @@ use enfilade_cad::bearing;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::place_in;
 use enfilade_cad::drawing::{Addition, Format, Mark, Shape, SourceRef, Vertex};
-use enfilade_config::{Aggregate, Aim, Colours, Measure, PairName, Penalty, Settings};
+use enfilade_config::Penalty;
 use enfilade_engine::Region;
 use enfilade_engine::geometry::{PointUm, Segment};
-use enfilade_engine::measures::{Column, UNDEFINED};
 use enfilade_moves::Layout;
 use enfilade_moves::carried::{Carried, carried};
-use enfilade_overlay::Palette;
 use enfilade_overlay::measure::{counts_cells, wording};
 use enfilade_overlay::picture::{
-    Cell, FloorShape, PlanPicture, RegionKind, RegionOutline, Stroke, StrokeKind, bounds_of,
+    FloorShape, PlanPicture, RegionKind, RegionOutline, Stroke, StrokeKind, bounds_of,
 };
 use enfilade_overlay::result::{
     self, Change, Counts, ElementRef, Input, LayerEntry, MoveEntry, MoveKind, Numbers, RegionEntry, UnitEntry,
@@ -34,43 +32,6 @@ use enfilade_plan::floor::Area;
 use enfilade_plan::markers::Kind;
 use enfilade_plan::{Plan, Wall};
 use enfilade_report::{Report, counted};
-
-/// The measures of which heat maps are always made, in the order in which they are shown.
-const SHOWN: [Measure; 4] = [Measure::Degree, Measure::Depth, Measure::Entropy, Measure::Score];
-
-/// What a heat map shows: a measure over the cells of a pair of regions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Map {
-    /// The measure.
-    pub measure: Measure,
-    /// The named pair; `None`: the unnamed one.
-    pub pair: Option<PairName>,
-}
-
-impl Map {
-    /// Name in result.json: `degree`, `degree@entrance`.
-    pub fn key(self) -> String {
-        Aim { measure: self.measure, aggregate: Aggregate::Mean, pair: self.pair }.to_string()
-    }
-
-    /// The same as part of a file's name.
-    pub fn file(self) -> String {
-        self.key().replace('@', "-")
-    }
-}
-
-/// The heat maps of a round: those of every round, what each named pair sees, and what else is asked for.
-pub fn maps(study: &Study) -> Vec<Map> {
-    let mut out: Vec<Map> = SHOWN.map(|measure| Map { measure, pair: None }).to_vec();
-    let degrees = study.pairs().iter().map(|p| Map { measure: Measure::Degree, pair: Some(p.name) });
-    let asked = study.aims.iter().map(|a| Map { measure: a.measure, pair: a.pair });
-    for map in degrees.chain(asked) {
-        if !out.contains(&map) {
-            out.push(map);
-        }
-    }
-    out
-}
 
 impl Map {
     /// What a legend says: the measure with its technical term and its pair.
@@ -89,14 +50,6 @@ impl Map {
     /// What its values are multiplied by to be in this unit: cells are told as area.
     pub fn factor(self, study: &Study) -> f64 {
         if counts_cells(self.measure.name()) { study.spacing_m * study.spacing_m } else { 1.0 }
-    }
-}
-
-/// Colours of the settings.
-pub fn palette(settings: &Settings) -> Palette {
-    match settings.colours {
-        Colours::Safe => Palette::Viridis,
-        Colours::BlueToRed => Palette::BlueToRed,
     }
 }
 
@@ -279,51 +232,6 @@ fn regions(plan: &Plan) -> Vec<RegionOutline> {
     out.extend(marks.keep.iter().map(|r| outline(r, RegionKind::Keep)));
     out.extend(marks.groups.iter().map(|g| outline(&g.outline, RegionKind::Move)));
     out
-}
-
-/// Values of a map per query vertex of its pair, as people are told them. `Score`: Σ w_k (f_k(i) − F_k⁰)/|F_k⁰| over its terms of the
-/// unnamed pair, F⁰ the present mean.
-pub fn values(study: &Study, worth: &Worth, map: Map, settings: &Settings) -> Vec<f64> {
-    if map.measure.is_of_cells() {
-        let factor = map.factor(study);
-        let values = cell_values(study.seen_of(worth, map.pair), map.measure);
-        return values.into_iter().map(|v| v * factor).collect();
-    }
-    let mut out = vec![0.0; study.lattice.query.len()];
-    for (aim, w) in settings.score.iter().filter(|(aim, _)| aim.pair.is_none()) {
-        let zero = study.value(&study.initial, *aim);
-        for (sum, v) in out.iter_mut().zip(cell_values(&worth.seen, aim.measure)) {
-            *sum += w * (v - zero) / divisor(zero);
-        }
-    }
-    out
-}
-
-/// All vertices of a pair as cells, those of its region of query with their values; plan frame.
-pub fn cells(study: &Study, pair: Option<PairName>, values: &[f64]) -> Vec<Cell> {
-    let named = study.pairs().iter().find(|p| Some(p.name) == pair);
-    let lattice = named.map_or(&*study.lattice, |p| p.lattice());
-    let centre = |v: usize| study.base.plan.frame.plan_from_um(lattice.centre_um(v)).to_array();
-    let mut out: Vec<Cell> =
-        (0..lattice.cells.len()).map(|v| Cell { centre: centre(v), value: None }).collect();
-    for (v, value) in lattice.query.iter().zip(values) {
-        out[*v as usize].value = Some(*value).filter(|v| v.is_finite());
-    }
-    out
-}
-
-/// All vertices as cells with the values of a column; none where it is undefined. Plan frame.
-pub fn column_cells(study: &Study, column: &Column) -> Vec<Cell> {
-    let lattice = &study.lattice;
-    let value = |v: f64| (v != UNDEFINED && v.is_finite()).then_some(v);
-    let centre = |v: usize| study.base.plan.frame.plan_from_um(lattice.centre_um(v)).to_array();
-    column.values.iter().enumerate().map(|(v, x)| Cell { centre: centre(v), value: value(*x) }).collect()
-}
-
-/// A column's name as a file name: `Visual Integration [HH]` is `visual-integration-hh`.
-pub fn slug(name: &str) -> String {
-    let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());
-    words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
 }
 
 /// Plan frame to drawing units for everything that is added to a file.
@@ -564,6 +472,15 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
         problems: report.problems.iter().map(Into::into).collect(),
         reading: None,
     }
+}
+
+/// Points of a file in metres of the drawing frame.
+pub(crate) fn metres(plan: &Plan, points: &[DVec2]) -> Vec<[f64; 2]> {
+    points.iter().map(|p| plan.frame.um_from_file(*p).map(|v| v as f64 / UM_PER_M)).collect()
+}
+
+pub(crate) fn lattice_centre(study: &Study) -> [f64; 2] {
+    study.lattice.origin_um.map(|v| v as f64 / 1e6)
 }
 
 #[cfg(test)]

@@ -1,23 +1,20 @@
 //! What the report says of the options of a round: why there are fewer than wanted, why they are alike.
 
-use std::collections::{BTreeMap, BTreeSet};
+use crate::confirm::nothing::GROUPS_TOLD;
+use crate::confirm::nothing::group_names;
+use crate::confirm::nothing::held_back;
+use crate::confirm::nothing::none_better;
+use crate::confirm::nothing::rules_clause;
+use std::collections::BTreeSet;
 
-use crate::confirm::explain::LEAST_GAIN;
 use crate::confirm::found::Found;
-use crate::confirm::withheld;
 use crate::measure::study::Study;
-use crate::round::Brief;
-use crate::round::is_bare;
 use crate::search::judged::{is_firm, pinned};
 use crate::search::rules::broken_limits;
-use crate::understand::understood::Understood;
-use crate::write::made::Made;
-use enfilade_cad::drawing::place_in;
-use enfilade_cad::drawing::{Format, SourceRef};
+use enfilade_cad::drawing::Format;
 use enfilade_config::{Method, Mode, Settings, Snap};
-use enfilade_moves::carried::{Carried, carried};
-use enfilade_moves::{Layout, Parameter};
-use enfilade_overlay::measure::{fixed, number, numbers_apart, plain_name, sentence_case, trimmed};
+use enfilade_moves::Parameter;
+use enfilade_overlay::measure::{number, numbers_apart, plain_name, sentence_case};
 use enfilade_overlay::result::{Explanation, Objective, Sense};
 use enfilade_overlay::words::listed;
 use enfilade_plan::markers::Kind;
@@ -72,18 +69,6 @@ pub(crate) fn say_out_of_reach(
     }
 }
 
-/// What may hold layouts back besides thresholds, where anything does: rules that are asked for here or were taken over from
-/// the round before, and weights of penalties beside them.
-fn held_back(settings: &Settings, groups: usize) -> String {
-    let rules = rules_words(settings, groups);
-    if rules.is_empty() {
-        return rules;
-    }
-    let penalties = settings.penalty_text();
-    let also = if penalties == "none" { String::new() } else { format!(", --penalty \"{penalties}\"") };
-    format!(" These settings may be the reason: {rules}{also}.")
-}
-
 /// What the hard limits do, as numbers: how the present layout stands to them, how many layouts keep them, and what the
 /// penalties cost there at least. Empty without limits, and where no layout keeps them, which is told by itself.
 fn limits_words(study: &Study, settings: &Settings, found: &Found) -> String {
@@ -130,98 +115,6 @@ pub(crate) fn say_below_present(report: &mut Report, file: &str, objectives: &[O
             report.info("limit-below-present", Place::file(file), text);
         }
     }
-}
-
-/// That nothing measured is better, and what would be called so: the best may well gain less than that.
-fn none_better(measured: &str, is_firm: bool) -> String {
-    let least = fixed(LEAST_GAIN * 100.0, 1);
-    let others = if is_firm { "" } else { " and lose less in the others" };
-    format!(
-        "No layout is better than the present one. Better is: gain {least} % or more in an objective{others}. {measured} measured."
-    )
-}
-
-/// Why there is no option although layouts keep every hard limit: nothing that was measured surely gains enough, or the
-/// published method returned nothing that moves.
-pub(crate) fn nothing_returned(
-    brief: &Brief<'_>,
-    evaluations: u64,
-    (best, is_best_better): (&[f64], bool),
-    sure_gain: f64,
-) -> String {
-    let settings = brief.settings;
-    let measured = counted(evaluations, "layout");
-    if !is_bare(settings) {
-        let least = trimmed(settings.least_gain * 100.0, 2);
-        return format!(
-            "No layout improves the present one by {least} % or more. {measured} measured; the best of them were measured \
-             again on other lattices.{} {}",
-            smaller_gain(sure_gain),
-            what_limits(brief, best)
-        );
-    }
-    if !is_best_better {
-        return none_better(&measured, is_firm(settings));
-    }
-    let method = if settings.method == Method::Paper { "The published method" } else { "The search" };
-    format!(
-        "{method} returned no layout in which something moves. The best of {measured} measured is better than the present one: \
-         `accept FILE best` takes it."
-    )
-}
-
-/// How to take the best layout and see others like it, where it surely gains something, in tenths of a per cent.
-fn smaller_gain(share: f64) -> String {
-    match (share * 1000.0).floor() / 10.0 {
-        percent if percent > 0.0 && percent.is_finite() => format!(
-            " The best layout found surely gains {percent} %: `accept FILE best` takes it. `--least-gain {percent}%` shows \
-             others like it."
-        ),
-        _ => String::new(),
-    }
-}
-
-/// What limits the search: what may move, and what to allow next.
-fn what_limits(brief: &Brief<'_>, best: &[f64]) -> String {
-    let names = group_names(brief.study);
-    let walls = brief.study.base.plan.walls.len();
-    let moving = brief.study.base.moves.walls.len();
-    let who = match names.as_slice() {
-        few if few.len() <= GROUPS_TOLD => listed(few, "and"),
-        many => format!("{} groups", many.len()),
-    };
-    let bounds = at_bounds(brief.study, best);
-    let bounds = match bounds.as_slice() {
-        [] => String::new(),
-        few if few.len() <= GROUPS_TOLD => {
-            format!(" At their bounds in the best layout: {}.", listed(few, "and"))
-        }
-        many => format!(" At their bounds in the best layout: {} moves.", many.len()),
-    };
-    format!(
-        "May move: {who} ({moving} of {walls} wall elements). All others are fixed.{}{bounds}{} Add {}, or \
-         give wider bounds.",
-        rules_clause(brief.settings, names.len()),
-        withheld::words(brief),
-        brief.study.base.plan.format.marking().more
-    )
-}
-
-/// A move this near to its bound, as a share of its range, stands at it.
-const AT_BOUND: f64 = 0.01;
-
-/// What moves in a layout as far as it may.
-fn at_bounds(study: &Study, layout: &[f64]) -> Vec<String> {
-    let moves = &study.base.moves;
-    let is_at = |(value, [lo, hi]): (&f64, &[f64; 2])| (value - lo).min(hi - value) <= AT_BOUND * (hi - lo);
-    let bounds = moves.bounds();
-    let held = layout.iter().zip(&bounds).map(is_at).zip(&moves.parameters);
-    let moved = layout.iter().zip(moves.identity()).map(|(value, still)| *value != still);
-    let names: BTreeSet<String> = (held.zip(moved))
-        .filter(|((is_at, _), is_moved)| *is_at && *is_moved)
-        .map(|((_, p), _)| sentence_case(&p.group_name))
-        .collect();
-    names.into_iter().collect()
 }
 
 /// Says why there are fewer options than wanted, where there are.
@@ -295,9 +188,6 @@ fn more_words(study: &Study) -> String {
     format!("More --evaluations, wider bounds or {more} may find more.")
 }
 
-/// Groups that may move up to which they are told by name.
-const GROUPS_TOLD: usize = 3;
-
 /// Why there are fewer options than wanted, and how to get more.
 fn left_out_words(study: &Study, settings: &Settings, made: usize) -> String {
     let names = group_names(study);
@@ -312,34 +202,6 @@ fn left_out_words(study: &Study, settings: &Settings, made: usize) -> String {
         rules_clause(settings, names.len()),
         more_words(study)
     )
-}
-
-/// The groups that may move, each once.
-fn group_names(study: &Study) -> Vec<String> {
-    let mut names: Vec<String> = vec![];
-    for p in &study.base.moves.parameters {
-        let name = sentence_case(&p.group_name);
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    names
-}
-
-/// The settings that narrow what options may do: a sentence; empty without any.
-fn rules_clause(settings: &Settings, groups: usize) -> String {
-    let rules = rules_words(settings, groups);
-    if rules.is_empty() { rules } else { format!(" These settings narrow it: {rules}.") }
-}
-
-/// The rules of the user that narrow what options may do, as they are stated; empty without any. So many moves as there are
-/// groups narrow nothing.
-fn rules_words(settings: &Settings, groups: usize) -> String {
-    let most = settings.most_moves.filter(|n| *n < groups).map(|n| format!("--most-moves {n}"));
-    let snap = settings.snap.map(|s| format!("--snap \"{s}\"{}", s.metres_words()));
-    let limits = settings.limits.iter().map(|l| format!("--limit \"{l}\""));
-    let like = settings.like.as_ref().map(|_| "--like".to_owned());
-    most.into_iter().chain(snap).chain(limits).chain(like).collect::<Vec<_>>().join(", ")
 }
 
 /// The two options most alike.
@@ -451,122 +313,6 @@ fn remedy(settings: &Settings, nearest: &Nearest) -> &'static str {
         }
     }
 }
-
-/// Most handles of annotation of one kind on one layer that are listed.
-const HANDLES_MAX: usize = 200;
-
-/// Names the annotation that does not follow the moved walls: of one kind on one layer together.
-pub(crate) fn say_stale(report: &mut Report, file: &str, found: &[SourceRef]) {
-    let mut alike: Vec<Vec<&SourceRef>> = Vec::new();
-    for s in found {
-        match alike.iter_mut().find(|of| of[0].kind == s.kind && of[0].layer == s.layer) {
-            Some(of) => of.push(s),
-            None => alike.push(vec![s]),
-        }
-    }
-    for of in alike {
-        let text = match &of[1..] {
-            [] => "It is tied to a wall that moves in an option. It stays as drawn and may be wrong there."
-                .to_owned(),
-            others => format!(
-                "It and {} more {} of the layer ({}) are tied to walls that move in an option. They stay as drawn and may be \
-                 wrong there.",
-                others.len(),
-                of[0].kind,
-                named(others)
-            ),
-        };
-        report.info("stale-annotation", place_in(file, of[0]), text);
-    }
-}
-
-/// Names the texts at doors and windows that go with their wall: nobody can tell whether a text is the door's.
-pub(crate) fn say_labels(base: &Understood, layout: &Layout, report: &mut Report) {
-    // A text between two doors is the label of both.
-    let mut told = BTreeSet::new();
-    for label in &base.labels {
-        let fitting = &base.fittings[label.fitting];
-        let goes = matches!(carried(&base.plan, fitting, layout), Carried::Moves(..));
-        if goes && told.insert(label.source.record) {
-            let text = "It stands at a door or window that moves in an option. It stays as drawn and may be wrong there.";
-            report.info("stale-annotation", place_in(&base.plan.file, &label.source), text);
-        }
-    }
-}
-
-/// Records by their handles, else by their lines.
-fn named(records: &[&SourceRef]) -> String {
-    let name = |s: &&SourceRef| s.handle.clone().unwrap_or_else(|| format!("line {}", s.line));
-    let mut names: Vec<String> = records.iter().take(HANDLES_MAX).map(name).collect();
-    if records.len() > HANDLES_MAX {
-        names.push(format!("and {} not listed", records.len() - HANDLES_MAX));
-    }
-    names.join(", ")
-}
-
-/// What goes along with the walls of an option, by layer, also what the plan does not show of a building; empty for
-/// nothing.
-pub(crate) fn goes_along_words(base: &Understood, made: &Made) -> String {
-    // A door that slides was told as such.
-    let follows = |record: usize| !made.layout.slides(&base.plan, record);
-    let goes = base.fittings.iter().filter(|f| follows(f.source.record));
-    let goes = goes.filter(|f| matches!(carried(&base.plan, f, &made.layout), Carried::Moves(..)));
-    let mut records: BTreeMap<usize, &str> =
-        goes.map(|f| (f.source.record, f.source.layer.as_str())).collect();
-    let shown = records.len();
-    let changed = made.changed.records.iter().flatten();
-    for (record, class) in changed.filter_map(|c| Some((c.of.record, c.filler?))).filter(|c| follows(c.0)) {
-        records.entry(record).or_insert(class);
-    }
-    let layers: BTreeSet<&str> = records.values().copied().collect();
-    let layers: Vec<&str> = layers.into_iter().collect();
-    let mut on = match layers.as_slice() {
-        [layer] => format!("layer {layer}"),
-        all => format!("layers {}", all.join(", ")),
-    };
-    match records.len() - shown {
-        0 => {}
-        unseen => on += &format!("; {unseen} of them not shown in this plan"),
-    }
-    match records.len() {
-        0 => String::new(),
-        1 => format!(" One part of a door or window moves with its wall ({on})."),
-        n => format!(" {n} parts of doors and windows move with their walls ({on})."),
-    }
-}
-
-/// The walls of a building that the plan does not show and that change their length with those of an option; empty for
-/// none.
-pub(crate) fn unseen_words(made: &Made) -> String {
-    let unseen = made.changed.records.iter().flatten().filter(|c| c.outlines.is_some());
-    let walls: BTreeMap<usize, Option<&String>> = unseen.map(|c| (c.of.record, c.storey.as_ref())).collect();
-    let storeys: BTreeSet<&String> = walls.values().flatten().copied().collect();
-    let storeys: Vec<String> = storeys.into_iter().cloned().collect();
-    let on = match storeys.as_slice() {
-        [] => String::new(),
-        [one] => format!(" (storey {one})"),
-        all => format!(" (storeys {})", all.join(", ")),
-    };
-    match walls.len() {
-        0 => String::new(),
-        1 => format!(" One wall that this plan does not show{on} changes its length too."),
-        n => format!(" {n} walls that this plan does not show{on} change their length too."),
-    }
-}
-
-/// What somebody must look at before taking an option: parts of doors and windows that do not go with their wall.
-pub(crate) fn stays_words(report: &Report) -> String {
-    match report.problems.iter().filter(|p| p.code == OPENING_STAYS).count() {
-        0 => String::new(),
-        1 => " A part of a door or window stays behind: look at it before you take this option.".into(),
-        n => {
-            format!(" {n} parts of doors and windows stay behind: look at them before you take this option.")
-        }
-    }
-}
-
-/// Code of what says that a part of a door or window stays as drawn.
-pub(crate) const OPENING_STAYS: &str = "opening-stays";
 
 #[cfg(test)]
 mod tests {

@@ -1,0 +1,14 @@
+//! What was understood, as a picture.
+
+use crate::understand::sensed;
+use crate::understand::understood::Understood;
+use crate::write::reading;
+use crate::write::show;
+use enfilade_overlay::check_png;
+use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
+use enfilade_report::Error;
+
+pub(crate) fn check_picture(base: &Understood, sensed: &sensed::Sensed) -> Result<Vec<u8>, Error> {
+    let picture = show::check_picture(base, sensed, &reading::names(base, sensed));
+    check_png(&picture, &base.plan.file, &reading::headline(base, sensed).words(), DEFAULT_SIDE_PX)
+}
