@@ -149,3 +149,43 @@ pub(crate) fn held_back(settings: &Settings, groups: usize) -> String {
     let also = if penalties == "none" { String::new() } else { format!(", --penalty \"{penalties}\"") };
     format!(" These settings may be the reason: {rules}{also}.")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use enfilade_config::Partial;
+
+    #[test]
+    fn a_gain_too_small_to_be_shown_is_said_with_what_shows_it() {
+        assert!(["gains 0.5 %", "--least-gain 0.5%"].iter().all(|s| smaller_gain(0.00578).contains(s)));
+        assert_eq!(
+            (smaller_gain(0.0009), smaller_gain(0.0), smaller_gain(f64::INFINITY)),
+            Default::default()
+        );
+    }
+
+    #[test]
+    fn what_may_hold_layouts_back_is_named_as_no_more_than_that() {
+        let with = |edit: &dyn Fn(&mut Partial)| {
+            let mut p = Partial::default();
+            edit(&mut p);
+            Settings::new(p).unwrap()
+        };
+        assert_eq!(
+            (held_back(&with(&|_| ()), 3), rules_clause(&with(&|_| ()), 3)),
+            (String::new(), String::new())
+        );
+        let ruled = with(&|p| {
+            p.limit = Some("degree -50%".into());
+            p.penalty = Some("clearance 1".into());
+        });
+        let said = held_back(&ruled, 3);
+        assert!(
+            ["--limit \"degree -50%\"", "--penalty \"clearance 1\""].iter().all(|s| said.contains(s)),
+            "{said}"
+        );
+        let few = with(&|p| p.most_moves = Some(3));
+        assert_eq!((rules_clause(&few, 3), rules_clause(&few, 4).is_empty()), (String::new(), false));
+        assert!(rules_clause(&ruled, 3).contains("--limit \"degree -50%\""));
+    }
+}

@@ -40,3 +40,44 @@ pub fn is_better(objectives: &[Objective], values: &[f64], is_firm: bool, score_
 
 /// What is smaller, as a share of the present value, nobody would call a gain.
 pub const LEAST_GAIN: f64 = 0.005;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layout_is_better_by_what_it_gains() {
+        let of = |name: &str, sense, initial| Objective {
+            name: name.into(),
+            sense,
+            threshold: 0.7,
+            initial,
+            best: Some(initial),
+            free: None,
+            reachable: Some(initial),
+            limit: Some(initial),
+        };
+        let three =
+            [of("penalty", Sense::Min, 0.0), of("degree", Sense::Max, 400.0), of("depth", Sense::Min, 2.0)];
+        for (degree, depth, better, firm) in [
+            (440.0, 2.0, true, true),
+            (400.0, 1.9, true, true),
+            // Gains 10 % and loses 20 %: only who set the thresholds may want it.
+            (440.0, 2.4, false, true),
+            // As drawn, or nearly.
+            (400.0, 2.0, false, false),
+            (401.0, 2.001, false, false),
+            (380.0, 2.1, false, false),
+        ] {
+            let values = [1e9, degree, depth];
+            assert_eq!(is_better(&three, &values, false, 1.0), better, "{values:?}");
+            assert_eq!(is_better(&three, &values, true, 1.0), firm, "{values:?}");
+        }
+        let score = [of("score", Sense::Max, 0.0)];
+        assert!(is_better(&score, &[0.3], false, 1.0) && !is_better(&score, &[-0.1], true, 1.0));
+        let small = |value, weight| is_better(&score, &[value], false, weight);
+        assert!(!small(0.004, 1.0) && small(0.004, 0.02) && !small(0.0, 0.0), "as large as its weights");
+        assert!(is_better(&three[..1], &[5.0], false, 1.0), "nothing but a penalty: nothing to judge by");
+        assert!(total_gain(&three, &[0.0, 440.0, 1.9]) > total_gain(&three, &[0.0, 440.0, 2.0]));
+    }
+}

@@ -237,7 +237,7 @@ mod tests {
 
     /// How many batches are told again from these bytes, and what is kept of the search then.
     fn replay(earlier: &[u8], bytes: &[u8], settings: &Settings) -> (usize, Vec<u8>) {
-        let input = Input { earlier, ..Input::new("plan.dxf", bytes, 1) };
+        let input = Input::new("plan.dxf", bytes, 1).going_on_from(earlier);
         let mut memory = Memory::new(&input, settings, 2);
         let mut recalled = 0;
         for ((asked, told), pace) in batches().into_iter().zip(paces()) {
@@ -301,7 +301,7 @@ mod tests {
     #[test]
     fn the_time_of_the_first_batch_does_not_matter() {
         let whole = kept(&settings());
-        let input = Input { earlier: &whole, ..Input::new("plan.dxf", b"bytes", 1) };
+        let input = Input::new("plan.dxf", b"bytes", 1).going_on_from(&whole);
         let mut memory = Memory::new(&input, &settings(), 2);
         let all = batches();
         assert_eq!(memory.pace(), None, "nothing is believed before the first batch");

@@ -150,9 +150,12 @@ mod tests {
             let bytes = std::fs::read(data.join("dxf").join(&file)).unwrap();
             let settings = Settings::new(Partial::default()).unwrap();
             let mut report = Report::default();
-            let base =
-                understood(&read::drawing(&file, &bytes, &settings, &mut report)?, &settings, &mut report)
-                    .unwrap();
+            let base = understood(
+                &read::drawing(&file, &bytes, &settings, &mut report).unwrap(),
+                &settings,
+                &mut report,
+            )
+            .unwrap();
             let (bounds, identity) = (base.moves.bounds(), base.moves.identity());
             assert!(bounds.len() >= may_move, "{name}: {} parameters", bounds.len());
             assert!(!base.fittings.is_empty(), "{name}");

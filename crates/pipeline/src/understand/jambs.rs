@@ -124,9 +124,12 @@ mod tests {
             let bytes = std::fs::read(data.join(name)).unwrap();
             let settings = Settings::new(Partial::default()).unwrap();
             let mut report = Report::default();
-            let base =
-                understood(&read::drawing(name, &bytes, &settings, &mut report)?, &settings, &mut report)
-                    .unwrap();
+            let base = understood(
+                &read::drawing(name, &bytes, &settings, &mut report).unwrap(),
+                &settings,
+                &mut report,
+            )
+            .unwrap();
             let told: Vec<&str> = report
                 .problems
                 .iter()

@@ -321,15 +321,6 @@ mod tests {
     use enfilade_plan::markers::Clause;
 
     #[test]
-    fn a_gain_too_small_to_be_shown_is_said_with_what_shows_it() {
-        assert!(["gains 0.5 %", "--least-gain 0.5%"].iter().all(|s| smaller_gain(0.00578).contains(s)));
-        assert_eq!(
-            (smaller_gain(0.0009), smaller_gain(0.0), smaller_gain(f64::INFINITY)),
-            Default::default()
-        );
-    }
-
-    #[test]
     fn what_is_alike_is_told_with_what_can_be_done_about_it() {
         let settings = Settings::new(Partial::default()).unwrap();
         let told = |are_pinned: bool, has_ended: bool| {
@@ -344,31 +335,6 @@ mod tests {
         let far = Nearest { distance: 0.6, wanted: 0.5, are_pinned: true, has_ended: true };
         say_alikeness(&mut report, "plan.dxf", &settings, Some(&far));
         assert!(report.problems.is_empty());
-    }
-
-    #[test]
-    fn what_may_hold_layouts_back_is_named_as_no_more_than_that() {
-        let with = |edit: &dyn Fn(&mut Partial)| {
-            let mut p = Partial::default();
-            edit(&mut p);
-            Settings::new(p).unwrap()
-        };
-        assert_eq!(
-            (held_back(&with(&|_| ()), 3), rules_clause(&with(&|_| ()), 3)),
-            (String::new(), String::new())
-        );
-        let ruled = with(&|p| {
-            p.limit = Some("degree -50%".into());
-            p.penalty = Some("clearance 1".into());
-        });
-        let said = held_back(&ruled, 3);
-        assert!(
-            ["--limit \"degree -50%\"", "--penalty \"clearance 1\""].iter().all(|s| said.contains(s)),
-            "{said}"
-        );
-        let few = with(&|p| p.most_moves = Some(3));
-        assert_eq!((rules_clause(&few, 3), rules_clause(&few, 4).is_empty()), (String::new(), false));
-        assert!(rules_clause(&ruled, 3).contains("--limit \"degree -50%\""));
     }
 
     #[test]
