@@ -3,20 +3,17 @@
 //! The drawing gets the moves and nothing else; what the next round needs to know (moves with the
 //! bounds that are left, settings, where it came from) stands in its side-car.
 
-use crate::job::Job;
-use crate::read;
-use crate::understand::understood;
 use std::collections::BTreeSet;
 
 use toml::{Table, Value};
 
-use crate::job::Input;
+use crate::job::{Input, Job};
 use crate::measure::ruler::ruler;
-use crate::understand::edits::edits_of;
-use crate::understand::edits::tied;
-use crate::understand::fits;
-use crate::understand::marked;
+use crate::read;
+use crate::understand::edits::{edits_of, tied};
+use crate::understand::understood;
 use crate::understand::understood::Understood;
+use crate::understand::{fits, marked};
 use enfilade_cad::drawing::{Format, Unit};
 use enfilade_cad::units::unit_by_name;
 use enfilade_config::{

@@ -1,22 +1,15 @@
 //! `analyse`: the present layout measured, of a building every storey.
 
-use crate::job::Input;
-use crate::job::Job;
-use crate::job::Outcome;
-use crate::measure::cells;
-use crate::measure::estimate;
+use crate::job::{Input, Job, Outcome};
 use crate::measure::study::Study;
-use crate::read;
-use crate::storey::analyse_storey;
-use crate::storey::measure_storey;
-use crate::storeys;
+use crate::measure::{cells, estimate};
+use crate::storey::{analyse_storey, measure_storey};
 use crate::write::analysis::tell_anew;
 use crate::write::heat_maps::column_pictures;
+use crate::{read, storeys};
 use enfilade_config::Settings;
 use enfilade_overlay::result::AnalysisResult;
-use enfilade_report::Cancel;
-use enfilade_report::Error;
-use enfilade_report::Report;
+use enfilade_report::{Cancel, Error, Report};
 
 /// `enfilade analyse`: measures the present layout; the files of `analysis/`.
 ///

@@ -1,22 +1,14 @@
 //! `check`: what the program understands.
 
-use crate::job::Input;
-use crate::job::Outcome;
-use crate::read;
-use crate::read::state_unread;
+use crate::job::{Input, Outcome};
+use crate::read::{self, state_unread};
 use crate::storeys;
-use crate::understand::sensed;
-use crate::understand::understood;
-use crate::write::check_picture;
-use crate::write::show;
-use crate::write::{graph, reading};
+use crate::understand::{sensed, understood};
+use crate::write::{check_picture, graph, reading, show};
 use enfilade_cad::Opened;
 use enfilade_config::Settings;
-use enfilade_overlay::result;
-use enfilade_overlay::result::CheckResult;
-use enfilade_report::Error;
-use enfilade_report::OutFile;
-use enfilade_report::Report;
+use enfilade_overlay::result::{self, CheckResult};
+use enfilade_report::{Error, OutFile, Report};
 
 /// What [`check_with`] makes besides its result.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -11,11 +11,9 @@ pub(crate) mod sound;
 pub(crate) mod stripped;
 pub(crate) mod withheld;
 
-use crate::job::Progress;
-use crate::job::Watch;
-use crate::search::Searched;
-use crate::search::TakeSoFar;
+use crate::job::{Progress, Watch};
 use crate::search::brief::Brief;
+use crate::search::{Searched, TakeSoFar};
 use enfilade_report::Error;
 use found::{Found, found};
 

@@ -1,6 +1,5 @@
 //! What a job is given, what it says while it runs, and what it hands out.
 
-use enfilade_report::Cancel;
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
@@ -8,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use enfilade_config::Settings;
-use enfilade_report::{Error, OutFile, Report};
+use enfilade_report::{Cancel, Error, OutFile, Report};
 
 /// A drawing to work on.
 #[derive(Clone, Debug)]

@@ -19,15 +19,11 @@ pub(crate) mod study;
 pub(crate) mod worth;
 pub(crate) mod written;
 
-use crate::job::Input;
-use crate::job::Job;
+use crate::job::{Input, Job};
 use crate::measure::study::Study;
 use crate::understand::understood::Understood;
 use enfilade_engine::sampled::AREA_ROOTS;
-use enfilade_report::Error;
-use enfilade_report::Place;
-use enfilade_report::Report;
-use enfilade_report::counted;
+use enfilade_report::{Error, Place, Report, counted};
 
 fn state_estimated(study: &Study, asked: usize, input: &Input<'_>, report: &mut Report) {
     let Some(estimated) = &study.initial.seen.estimated else { return };

@@ -1,9 +1,6 @@
 //! The resolution study (spec 8; paper: Critical Resolution): the measures over a series of spacings, and
 //! the coarsest spacing from which they no longer change.
 
-use crate::read;
-use crate::understand::understood;
-use crate::understand::understood::Understood;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -11,12 +8,12 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::job::Event;
-use crate::job::Input;
-use crate::job::Outcome;
-use crate::job::Progress;
+use crate::job::{Event, Input, Outcome, Progress};
 use crate::measure::study::Study;
 use crate::measure::{estimate, spacing};
+use crate::read;
+use crate::understand::understood;
+use crate::understand::understood::Understood;
 use crate::write::show;
 use enfilade_config::Settings;
 use enfilade_engine::lattice::floor_on_walls;

@@ -8,23 +8,17 @@ pub(crate) mod judged;
 pub(crate) mod memory;
 pub(crate) mod rules;
 
-use crate::job::Event;
-use crate::job::Progress;
-use crate::job::Watch;
-use crate::search::brief::BATCH;
-use crate::search::brief::Brief;
+use std::time::Instant;
+
+use crate::job::{Event, Progress, Watch};
+use crate::search::brief::{BATCH, Brief};
 use crate::search::budget::Allowance;
-use crate::search::judged::measured;
-use crate::search::judged::pinned;
+use crate::search::judged::{measured, pinned};
 use crate::search::memory::Memory;
-use enfilade_config::Method;
-use enfilade_config::Mode;
-use enfilade_config::Thresholds;
+use enfilade_config::{Method, Mode, Thresholds};
 use enfilade_moves::control::Control;
 use enfilade_report::Error;
-use enfilade_search::Evaluation;
-use enfilade_search::Search;
-use std::time::Instant;
+use enfilade_search::{Evaluation, Search};
 
 /// How often progress is said at most.
 const PROGRESS_EVERY_MS: u128 = 50;

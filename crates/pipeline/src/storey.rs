@@ -1,15 +1,12 @@
 //! One storey from its bytes to its analysis.
 
-use crate::job::Job;
-use crate::job::Outcome;
+use crate::job::{Job, Outcome};
 use crate::measure::study::Study;
-use crate::read::state_unread;
+use crate::read::{self, state_unread};
 use crate::write::analysis::analysis_of;
-use crate::{measure, read, understand};
+use crate::{measure, understand};
 use enfilade_overlay::result::AnalysisResult;
-use enfilade_report::Cancel;
-use enfilade_report::Error;
-use enfilade_report::Report;
+use enfilade_report::{Cancel, Error, Report};
 
 /// Measures the storey that the settings name, or the one with most walls.
 pub(crate) fn analyse_storey(

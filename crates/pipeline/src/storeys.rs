@@ -1,5 +1,7 @@
 //! The other storeys of a building: each checked and measured by itself, in a folder of its own.
 
+use rayon::prelude::*;
+
 use crate::job::Job;
 use crate::measure::study::Study;
 use crate::read;
@@ -14,7 +16,6 @@ use enfilade_cad::{Opened, StoreyInfo};
 use enfilade_config::Settings;
 use enfilade_overlay::result::{BuildingEntry, Numbers, ProblemEntry, StoreyEntry};
 use enfilade_report::{Cancel, Error, OutFile, Report, Severity};
-use rayon::prelude::*;
 
 /// Most storeys of one building that are measured.
 pub const STOREYS_MAX: usize = 64;

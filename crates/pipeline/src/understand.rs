@@ -16,6 +16,8 @@ pub(crate) mod regions;
 pub(crate) mod sensed;
 pub(crate) mod understood;
 
+use glam::DVec2;
+
 use enfilade_cad::drawing::Drawing;
 use enfilade_cad::own_layers;
 use enfilade_cad::plane::box_of;
@@ -25,15 +27,11 @@ use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_engine::interior::Interior;
 use enfilade_plan::axes::{AxisGraph, Opening};
 use enfilade_plan::curve::{Trace, trace};
-use enfilade_plan::fittings::{self};
 use enfilade_plan::graph::Graph;
 use enfilade_plan::hidden::Hidden;
-use enfilade_plan::labels::{self};
 use enfilade_plan::sight::Sight;
-use enfilade_plan::structure::{self};
-use enfilade_plan::{Plan, PlanOptions, understand, view_box};
+use enfilade_plan::{Plan, PlanOptions, fittings, labels, structure, understand, view_box};
 use enfilade_report::{Error, Place, Problem, Report, Severity};
-use glam::DVec2;
 use moves::{Known, moves};
 use options::plan_options;
 use regions::{add_regions, corrected, state_unused_seeds};

@@ -27,24 +27,18 @@ pub(crate) mod show;
 pub(crate) mod told;
 pub(crate) mod traces;
 
+use rayon::prelude::*;
+
 use crate::confirm::found::Found;
-use crate::job::Job;
-use crate::job::Outcome;
+use crate::job::{Job, Outcome};
 use crate::round::Round;
 use crate::search::brief::is_bare;
 use crate::search::distance;
-use crate::search::judged::is_firm;
-use crate::search::judged::pinned;
-use crate::write::diversity::likeness;
-use crate::write::diversity::nearest;
+use crate::search::judged::{is_firm, pinned};
+use crate::write::diversity::{likeness, nearest};
 use crate::write::made::Made;
-use enfilade_overlay::result;
-use enfilade_overlay::result::RoundResult;
-use enfilade_report::Error;
-use enfilade_report::OutFile;
-use enfilade_report::Place;
-use enfilade_report::Report;
-use rayon::prelude::*;
+use enfilade_overlay::result::{self, RoundResult};
+use enfilade_report::{Error, OutFile, Place, Report};
 
 /// The files of a round from what was found; of the present layout alone, where nothing was searched.
 ///

@@ -3,11 +3,8 @@
 
 use crate::confirm::found::shown;
 use crate::confirm::refined::without_each;
-use crate::search::brief::BATCH;
-use crate::search::brief::Brief;
-use crate::search::brief::is_bare;
-use crate::search::budget::SEARCHES;
-use crate::search::budget::SHARE;
+use crate::search::brief::{BATCH, Brief, is_bare};
+use crate::search::budget::{SEARCHES, SHARE};
 use crate::search::gain::total_gain;
 use crate::search::judged::measured;
 use enfilade_config::Mode;

@@ -1,10 +1,10 @@
 //! Why an option is good: which of its moves bring the gain, how far it stands from the others, and what
 //! it gave up.
 
-use crate::search::gain::total_gain;
 use rayon::prelude::*;
 
 use crate::measure::study::Study;
+use crate::search::gain::total_gain;
 use enfilade_moves::control::{Breach, Control};
 use enfilade_overlay::result::{Explanation, Numbers, Objective, Part, Sense};
 use enfilade_search::normalised_distance;

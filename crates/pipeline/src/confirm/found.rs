@@ -1,23 +1,14 @@
 //! What a search found, in our terms: options, the best layout, the course of the search.
 
-use crate::confirm::nothing;
-use crate::search::gain;
 use rayon::prelude::*;
 
-use crate::confirm::confirmed;
-use crate::confirm::explain;
-use crate::confirm::ideas::apart;
-use crate::confirm::ideas::moves_visibly;
+use crate::confirm::ideas::{apart, moves_visibly};
 use crate::confirm::refined::{Refined, refined};
+use crate::confirm::{confirmed, explain, nothing};
 use crate::measure::study::Study;
-use crate::search::brief::Aims;
-use crate::search::brief::Brief;
-use crate::search::brief::PENALTY_FREE;
-use crate::search::brief::is_bare;
-use crate::search::judged::evaluation;
-use crate::search::judged::is_firm;
-use crate::search::judged::pinned;
-use crate::search::rules;
+use crate::search::brief::{Aims, Brief, PENALTY_FREE, is_bare};
+use crate::search::judged::{evaluation, is_firm, pinned};
+use crate::search::{gain, rules};
 use enfilade_config::{Method, Mode, Settings};
 use enfilade_overlay::Series;
 use enfilade_overlay::measure::plain_name;

@@ -1,6 +1,5 @@
 //! Which layouts are ideas of their own: people experience them otherwise, and their walls stand elsewhere.
 
-use enfilade_overlay::words;
 use std::collections::BTreeMap;
 
 use crate::measure::aims::cell_values;
@@ -10,6 +9,7 @@ use enfilade_cad::curve::control_points;
 use enfilade_config::Measure;
 use enfilade_engine::geometry::{PointUm, UM_PER_M};
 use enfilade_moves::Layout;
+use enfilade_overlay::words;
 
 /// Walls nearer than this stand at the same place to anybody, metres of a person.
 pub(crate) const SAME_PLACE_M: f64 = 0.1;

@@ -1,19 +1,16 @@
 //! Why there is no option, and what narrows the search.
 
+use std::collections::BTreeSet;
+
 use crate::confirm::withheld;
 use crate::measure::study::Study;
-use crate::search::brief::Brief;
-use crate::search::brief::is_bare;
+use crate::search::brief::{Brief, is_bare};
 use crate::search::gain::LEAST_GAIN;
 use crate::search::judged::is_firm;
-use enfilade_config::Method;
-use enfilade_config::Settings;
-use enfilade_overlay::measure::fixed;
-use enfilade_overlay::measure::sentence_case;
-use enfilade_overlay::measure::trimmed;
+use enfilade_config::{Method, Settings};
+use enfilade_overlay::measure::{fixed, sentence_case, trimmed};
 use enfilade_overlay::words::listed;
 use enfilade_report::counted;
-use std::collections::BTreeSet;
 
 /// That nothing measured is better, and what would be called so: the best may well gain less than that.
 pub(crate) fn none_better(measured: &str, is_firm: bool) -> String {

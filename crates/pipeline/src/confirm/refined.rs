@@ -2,8 +2,7 @@
 //! moves that bring nothing, and confirmed on lattices of their own.
 
 use crate::confirm::confirmed;
-use crate::confirm::ideas::moves_visibly;
-use crate::confirm::ideas::{Experience, SAME_MAPS, Stance};
+use crate::confirm::ideas::{Experience, SAME_MAPS, Stance, moves_visibly};
 use crate::confirm::sound::is_sound;
 use crate::confirm::stripped::Stripper;
 use crate::measure::lattices;
@@ -12,10 +11,7 @@ use crate::measure::study::Study;
 use crate::measure::worth::Worth;
 use crate::search::brief::Brief;
 use crate::search::gain::total_gain;
-use crate::search::judged::evaluation;
-use crate::search::judged::gained;
-use crate::search::judged::is_firm;
-use crate::search::judged::pinned;
+use crate::search::judged::{evaluation, gained, is_firm, pinned};
 use enfilade_overlay::result::{Gains, Objective};
 use enfilade_search::{Member, Outcome, Point, normalised_distance};
 

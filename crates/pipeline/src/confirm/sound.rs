@@ -3,8 +3,7 @@
 use crate::job::Job;
 use crate::read;
 use crate::search::brief::Brief;
-use crate::understand::edits::edits_of;
-use crate::understand::edits::tied;
+use crate::understand::edits::{edits_of, tied};
 use enfilade_moves::narrowed::Doors;
 
 /// Whether no joint with a wall that the plan does not show opens, and no door becomes narrower. What the search holds

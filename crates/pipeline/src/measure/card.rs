@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::measure::look::Bench;
-use crate::measure::look::SeenOn;
+use crate::measure::look::{Bench, SeenOn};
 use crate::measure::parts::moving_segments;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;

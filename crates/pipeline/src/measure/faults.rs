@@ -5,8 +5,7 @@ use enfilade_config::{Held, Penalty, Settings};
 use enfilade_moves::Layout;
 use enfilade_moves::opened::Joints;
 use enfilade_moves::struck::Struck;
-use enfilade_penalties::Passage;
-use enfilade_penalties::WallPiece;
+use enfilade_penalties::{Passage, WallPiece};
 
 /// A way this much narrower is none, metres: turned corners are rounded.
 const NARROWER_M: f64 = 0.001;

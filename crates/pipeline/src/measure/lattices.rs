@@ -4,11 +4,11 @@
 //! rank-1 rule, (i/K, 3i/K) of the spacing, errs a third as much at the same cost: the K shifts have K different
 //! abscissae and ordinates, where a grid of shifts has only √K of each (`BENCHMARKS.md`, "Gains").
 
-use crate::measure::seen::Use;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::measure::look::LatticeAt;
+use crate::measure::seen::Use;
 use crate::measure::spacing::DOOR_SPACING_M;
 use crate::measure::study::Study;
 use enfilade_config::Settings;

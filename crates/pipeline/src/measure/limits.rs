@@ -1,15 +1,8 @@
 //! How a layout stands to hard limits.
 
-use crate::measure::study::Study;
-use crate::measure::study::divisor;
+use crate::measure::study::{Study, divisor};
 use crate::measure::worth::Worth;
-use enfilade_config::Aim;
-use enfilade_config::Bound;
-use enfilade_config::Held;
-use enfilade_config::Limit;
-use enfilade_config::Measure;
-use enfilade_config::Penalty;
-use enfilade_config::Settings;
+use enfilade_config::{Aim, Bound, Held, Limit, Measure, Penalty, Settings};
 
 /// A limit passed by less than this share of it is kept: written coordinates are rounded to 1 µm.
 pub const LIMIT_TOLERANCE: f64 = 1e-6;

@@ -2,12 +2,9 @@
 //!
 //! Which cell centres happen to be free decides nothing where a value is the mean over shifted lattices.
 
-use crate::measure::seen::Scene;
-use crate::measure::seen::Seen;
-use crate::measure::seen::Use;
+use crate::measure::seen::{Scene, Seen, Use};
 use crate::understand::understood::Understood;
-use enfilade_config::Source;
-use enfilade_config::{Measure, PairName, Settings};
+use enfilade_config::{Measure, PairName, Settings, Source};
 use enfilade_engine::Lattice;
 use enfilade_engine::evaluator::Scratch;
 use enfilade_engine::geometry::{PointUm, UM_PER_M};
@@ -15,8 +12,7 @@ use enfilade_engine::lattice::Ground;
 use enfilade_engine::measures::Means;
 use enfilade_moves::Layout;
 use enfilade_penalties::WallPiece;
-use enfilade_report::Place;
-use enfilade_report::{Error, Report};
+use enfilade_report::{Error, Place, Report};
 
 /// Where a lattice lies: distance and centre of cells, µm of the drawing frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

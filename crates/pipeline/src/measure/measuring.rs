@@ -1,27 +1,22 @@
 //! What a layout of a study is worth: on every lattice, and by its penalties.
 
-use crate::measure::aims;
-use crate::measure::look::Bench;
-use crate::measure::look::Pair;
-use crate::measure::seen::Seen;
-use enfilade_config::Aim;
-use enfilade_config::PairName;
-use enfilade_engine::Tally;
-use enfilade_engine::evaluator::Scratch;
-use enfilade_engine::measures::Means;
-use enfilade_penalties::disconnection;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-use crate::measure::look::{Look, SeenOn};
-use crate::measure::parts::blind;
-use crate::measure::parts::moving_segments;
+use rayon::prelude::*;
+
+use crate::measure::aims;
+use crate::measure::look::{Bench, Look, Pair, SeenOn};
+use crate::measure::parts::{blind, moving_segments};
+use crate::measure::seen::Seen;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
-use enfilade_engine::Obstacles;
+use enfilade_config::{Aim, PairName};
+use enfilade_engine::evaluator::Scratch;
 use enfilade_engine::geometry::Segment;
+use enfilade_engine::measures::Means;
+use enfilade_engine::{Obstacles, Tally};
 use enfilade_moves::Layout;
-use enfilade_penalties::WallPiece;
+use enfilade_penalties::{WallPiece, disconnection};
 use enfilade_plan::curve::{Trace, trace_like};
 
 impl Study {

@@ -1,11 +1,10 @@
 //! What of a study's walls stays and what moves, piece by piece.
 
-use crate::understand::understood::closed_that_stay;
-use enfilade_cad::curve::control_points;
-use enfilade_cad::drawing::Shape;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::understand::understood::Understood;
+use crate::understand::understood::{Understood, closed_that_stay};
+use enfilade_cad::curve::control_points;
+use enfilade_cad::drawing::Shape;
 use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_engine::lattice::CellIndex;
 use enfilade_moves::Layout;

@@ -1,30 +1,18 @@
 //! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
 
-use crate::measure::faults::PASSAGE_WIDTH_M;
-use crate::measure::look::state_asked;
-use crate::measure::parts::blind;
-use crate::measure::worth::Worth;
-use crate::understand::understood::Understood;
 use std::sync::{Arc, Mutex, OnceLock};
 
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::measure::aims;
-use crate::measure::faults::Guards;
-use crate::measure::look::Bench;
-pub use crate::measure::look::LatticeAt;
-pub use crate::measure::look::Pair;
-use crate::measure::look::{Look, SeenOn};
-use crate::measure::parts::fixed_parts;
-use crate::measure::parts::moving_segments;
-use crate::measure::parts::piece_moves;
-use crate::measure::parts::pieces_of;
+use crate::measure::faults::{Guards, PASSAGE_WIDTH_M};
+use crate::measure::look::{Bench, Look, SeenOn, state_asked};
+use crate::measure::parts::{blind, fixed_parts, moving_segments, piece_moves, pieces_of};
 use crate::measure::seen::Scene;
-pub use crate::measure::seen::Use;
-use crate::measure::spacing;
+use crate::measure::worth::Worth;
+use crate::measure::{aims, spacing};
 use crate::understand::regions::state_interior;
-use crate::understand::understood::closed_that_stay;
+use crate::understand::understood::{Understood, closed_that_stay};
 use enfilade_config::{Aggregate, Aim, Measure, PairName, Settings};
 use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
 use enfilade_engine::gpu::Gpu;
@@ -32,13 +20,15 @@ use enfilade_engine::lattice::{CellIndex, Ground};
 use enfilade_engine::{Lattice, Obstacles};
 use enfilade_moves::Layout;
 use enfilade_penalties::{Alignment, Clearance, Overlap, Passage, RoomArea, WallLength, WallPiece};
-use enfilade_plan::Plan;
 use enfilade_plan::axes::Opening;
 use enfilade_plan::curve::Trace;
-use enfilade_plan::markers;
 use enfilade_plan::outline::SOLID_ACROSS_M;
-use enfilade_plan::structure::{self};
+use enfilade_plan::{Plan, markers, structure};
 use enfilade_report::{Error, Place, Report};
+
+pub use crate::measure::look::LatticeAt;
+pub use crate::measure::look::Pair;
+pub use crate::measure::seen::Use;
 
 /// Radius r of the clearance penalty (spec 5).
 pub const CLEARANCE_RADIUS_M: f64 = 0.5;

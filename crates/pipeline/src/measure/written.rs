@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::measure::look::SeenOn;
-use crate::measure::parts::cover_bodies;
-use crate::measure::parts::cover_wide;
-use crate::measure::parts::pieces_of;
+use crate::measure::parts::{cover_bodies, cover_wide, pieces_of};
 use crate::measure::seen::Seen;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;

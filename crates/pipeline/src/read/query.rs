@@ -1,5 +1,8 @@
 //! Spaces and zones that `--query` names, and the storey on which they are.
 
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+
 use crate::job::Input;
 use crate::read::read_options;
 use enfilade_cad::Opened;
@@ -8,8 +11,6 @@ use enfilade_cad::ifc::ZONE_LAYER;
 use enfilade_cad::names::{Found, Pattern};
 use enfilade_config::Settings;
 use enfilade_report::{Error, Place, Report};
-use std::borrow::Cow;
-use std::collections::BTreeSet;
 
 /// Layer of spaces.
 pub(crate) const SPACE_LAYER: &str = "IfcSpace";

@@ -2,9 +2,7 @@
 
 use crate::job::Input;
 use crate::measure::study::Study;
-use enfilade_config::Aim;
-use enfilade_config::Method;
-use enfilade_config::Settings;
+use enfilade_config::{Aim, Method, Settings};
 use enfilade_moves::control::Control;
 
 /// Layouts that are asked for at once. Part of the search's definition, not of the machine: the same

@@ -3,8 +3,7 @@
 use std::time::Instant;
 
 use crate::measure::study::Study;
-use crate::search::brief::BATCH;
-use crate::search::brief::is_bare;
+use crate::search::brief::{BATCH, is_bare};
 use crate::search::memory::{Clock, Pace};
 use enfilade_config::Settings;
 use enfilade_search::{Search, Stop};

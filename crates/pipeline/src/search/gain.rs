@@ -1,8 +1,7 @@
 //! What a layout gains over the present one.
 
 use crate::measure::study::divisor;
-use enfilade_overlay::result::Objective;
-use enfilade_overlay::result::Sense;
+use enfilade_overlay::result::{Objective, Sense};
 
 /// What is gained over the present value, as a share of it; where that is 0, as a score's, as it is.
 pub fn relative_gain(is_more_better: bool, now: f64, present: f64) -> f64 {

@@ -1,16 +1,14 @@
 //! What layouts are worth to the search, and which of those found are options.
 
+use rayon::prelude::*;
+
 use crate::measure::limits;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
-use crate::search::brief::Aims;
-use crate::search::brief::Brief;
-use crate::search::brief::PENALTY_FREE;
-use crate::search::brief::is_bare;
+use crate::search::brief::{Aims, Brief, PENALTY_FREE, is_bare};
 use crate::search::gain;
 use enfilade_config::{Aim, Held, Measure, Method, Mode, PairName, Penalty, Settings, Thresholds};
 use enfilade_search::{Evaluation, Sense};
-use rayon::prelude::*;
 
 /// Threshold of the implied penalty objective: no option has more of it than the present layout. To ask
 /// for less would pin every option to the few places where the penalty is least.

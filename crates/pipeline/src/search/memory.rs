@@ -9,13 +9,12 @@
 //! to fit when it was asked for, and how many seconds had gone when it was known: both are told again instead of read
 //! from the clock, and what was spent before a kill counts.
 
-use crate::job::Keep;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use sha2::{Digest, Sha256};
 
-use crate::job::Input;
+use crate::job::{Input, Keep};
 use crate::search::brief::BATCH;
 use enfilade_config::{Settings, Twin};
 use enfilade_search::Evaluation;

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use enfilade_cad::drawing::place_in;
-use enfilade_cad::drawing::{Editable, Format};
+use enfilade_cad::drawing::{Editable, Format, place_in};
 use enfilade_moves::Moves;
 use enfilade_moves::carried::{Carried, carried};
 use enfilade_plan::Plan;

@@ -1,10 +1,10 @@
 //! What a building's file knows beyond outlines: spaces, openings, moves stated of its elements.
 
-use crate::read::query::{Asked, SPACE_LAYER};
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
+use crate::read::query::{Asked, SPACE_LAYER};
 use enfilade_cad::drawing::{Drawing, Entity, MarkedMove};
 use enfilade_cad::ifc::CLOSING_LAYERS;
 use enfilade_cad::own_layers::name_in;
@@ -13,9 +13,9 @@ use enfilade_config::{MoveTable, Settings};
 use enfilade_engine::Region;
 use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_plan::axes::Opening;
-use enfilade_plan::curve::Trace;
+use enfilade_plan::curve::{self, Trace};
 use enfilade_plan::views::FAR_M;
-use enfilade_plan::{DOOR_LAYER, Plan, Wall, curve};
+use enfilade_plan::{DOOR_LAYER, Plan, Wall};
 use enfilade_report::{Error, Place};
 
 /// Takes the spaces that `--query` names, by their own names or by those of their zones, as the region of query.

@@ -1,15 +1,14 @@
 //! The changes of a file that make a layout.
 
+use std::collections::HashSet;
+
 use crate::job::Job;
 use crate::read;
 use crate::understand::understood::Understood;
-use enfilade_cad::drawing::Edit;
-use enfilade_cad::drawing::RigidMotion;
+use enfilade_cad::drawing::{Edit, RigidMotion};
 use enfilade_moves::Layout;
-use enfilade_moves::carried::Carried;
-use enfilade_moves::carried::carried;
+use enfilade_moves::carried::{Carried, carried};
 use enfilade_report::Error;
-use std::collections::HashSet;
 
 /// The changes of the file that make a layout; blocks once for all that they show.
 pub(crate) fn edits_of(base: &Understood, layout: &Layout) -> Vec<Edit> {

@@ -1,7 +1,6 @@
 //! Gaps that are closed for sight although nothing is drawn there, in words.
 
-use crate::understand::understood::Understood;
-use crate::understand::understood::closed_that_stay;
+use crate::understand::understood::{Understood, closed_that_stay};
 use enfilade_engine::geometry::Segment;
 use enfilade_plan::axes::tolerances::ERROR_GAP_M;
 use enfilade_report::{Place, Report, counted};

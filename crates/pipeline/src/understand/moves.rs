@@ -2,9 +2,9 @@
 
 use crate::understand::jambs::keeping_doors;
 use crate::understand::marked::{
-    side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves, taken_up,
+    self, side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves, taken_up,
 };
-use crate::understand::{building, carrying, marked};
+use crate::understand::{building, carrying};
 use enfilade_cad::drawing::Drawing;
 use enfilade_config::Settings;
 use enfilade_engine::geometry::Segment;

@@ -1,9 +1,10 @@
 //! A drawing as understood.
 
+use glam::DVec2;
+
 use crate::understand::building::NamedOpening;
 use enfilade_cad::drawing::Text;
-use enfilade_engine::geometry::PointUm;
-use enfilade_engine::geometry::Segment;
+use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_engine::interior::Interior;
 use enfilade_moves::Moves;
 use enfilade_plan::axes::AxisGraph;
@@ -12,10 +13,8 @@ use enfilade_plan::fittings::Fitting;
 use enfilade_plan::graph::Graph;
 use enfilade_plan::labels::Label;
 use enfilade_plan::sight::Sight;
-use enfilade_plan::structure;
-use enfilade_plan::structure::Body;
+use enfilade_plan::structure::{self, Body};
 use enfilade_plan::{Plan, Wall};
-use glam::DVec2;
 
 /// A drawing as understood, with what may move; the part of a study that needs no lattice.
 #[derive(Clone, Debug)]

@@ -1,15 +1,13 @@
 //! What goes along with the walls of an option, and what stays behind.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use crate::understand::understood::Understood;
 use crate::write::made::Made;
-use enfilade_cad::drawing::SourceRef;
-use enfilade_cad::drawing::place_in;
+use enfilade_cad::drawing::{SourceRef, place_in};
 use enfilade_moves::Layout;
-use enfilade_moves::carried::Carried;
-use enfilade_moves::carried::carried;
+use enfilade_moves::carried::{Carried, carried};
 use enfilade_report::Report;
-use std::collections::BTreeMap;
-use std::collections::BTreeSet;
 
 /// Names the texts at doors and windows that go with their wall: nobody can tell whether a text is the door's.
 pub(crate) fn say_labels(base: &Understood, layout: &Layout, report: &mut Report) {

@@ -1,24 +1,18 @@
 //! The files of `analysis/`.
 
-use crate::job::Input;
-use crate::job::Job;
-use crate::job::Outcome;
+use rayon::prelude::*;
+
+use crate::job::{Input, Job, Outcome};
 use crate::measure::aims;
 use crate::measure::study::Study;
 use crate::understand::sensed;
 use crate::write::check_picture::check_picture;
-use crate::write::heat_maps::MapLook;
-use crate::write::heat_maps::heat_map;
+use crate::write::heat_maps::{MapLook, heat_map};
 use crate::write::maps;
-use crate::write::show;
-use crate::write::show::lattice_centre;
+use crate::write::show::{self, lattice_centre};
 use enfilade_overlay::Scale;
-use enfilade_overlay::result;
-use enfilade_overlay::result::AnalysisResult;
-use enfilade_report::Error;
-use enfilade_report::OutFile;
-use enfilade_report::Report;
-use rayon::prelude::*;
+use enfilade_overlay::result::{self, AnalysisResult};
+use enfilade_report::{Error, OutFile, Report};
 
 pub(crate) fn analysis_of(
     job: Job<'_>,

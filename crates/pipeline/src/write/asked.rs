@@ -2,8 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::write::places::Places;
-use crate::write::places::share;
+use crate::write::places::{Places, share};
 use enfilade_cad::drawing::Unit;
 use enfilade_overlay::reading::{AnswerEntry, QuestionEntry};
 use enfilade_plan::Plan;

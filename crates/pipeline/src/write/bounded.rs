@@ -2,8 +2,7 @@
 
 use crate::measure::study::Study;
 use crate::write::made::Made;
-use crate::write::show;
-use crate::write::show::metres;
+use crate::write::show::{self, metres};
 use enfilade_cad::Changes;
 use enfilade_cad::ifc::BoundedRoom;
 use enfilade_overlay::result;

@@ -3,11 +3,9 @@
 use crate::measure::study::Study;
 use crate::write::bounded;
 use crate::write::made::Made;
-use crate::write::show;
-use crate::write::show::metres;
+use crate::write::show::{self, metres};
 use enfilade_cad::gltf;
-use enfilade_overlay::result;
-use enfilade_overlay::result::ElementRef;
+use enfilade_overlay::result::{self, ElementRef};
 
 /// `changes` of a candidate, each with the records of the file that differ.
 pub(crate) fn changes(study: &Study, made: &Made) -> Vec<result::Change> {

@@ -2,8 +2,7 @@
 
 use crate::understand::sensed;
 use crate::understand::understood::Understood;
-use crate::write::reading;
-use crate::write::show;
+use crate::write::{reading, show};
 use enfilade_overlay::check_png;
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
 use enfilade_report::Error;

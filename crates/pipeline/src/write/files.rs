@@ -1,21 +1,19 @@
 //! The pictures and drawings of a round.
 
-use crate::job::Job;
-use crate::read;
-use crate::write::maps;
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 
+use rayon::prelude::*;
+
 use crate::confirm::found::Found;
+use crate::job::Job;
 use crate::measure::study::Study;
-use crate::write::heat_maps::MapLook;
-use crate::write::heat_maps::heat_map;
+use crate::read;
+use crate::write::heat_maps::{MapLook, heat_map};
 use crate::write::made::Made;
-use crate::write::maps::Map;
+use crate::write::maps::{self, Map};
 use crate::write::round_result::gains_words;
 use crate::write::show;
-use crate::write::traces;
-use crate::write::traces::Traces;
+use crate::write::traces::{self, Traces};
 use enfilade_cad::drawing::Addition;
 use enfilade_config::{Measure, PairName, Settings};
 use enfilade_overlay::additions::heat_layer;

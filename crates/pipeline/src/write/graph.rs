@@ -2,10 +2,8 @@
 
 use crate::understand::sensed::{OpenGap, Sensed};
 use crate::understand::understood::Understood;
-use crate::write::places::Places;
-use crate::write::places::round_mm;
-use crate::write::reading::axis;
-use crate::write::reading::opening_kind;
+use crate::write::places::{Places, round_mm};
+use crate::write::reading::{axis, opening_kind};
 use enfilade_overlay::graph::{GRAPH_SCHEMA, Joint, OpeningEdge, PlanGraph, RoomNode, WallEdge};
 use enfilade_plan::axes::{Edge, Node, NodeKind};
 use enfilade_plan::floor::{Area, Beside};

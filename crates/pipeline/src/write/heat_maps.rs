@@ -1,24 +1,17 @@
 //! Heat maps of a layout.
 
+use rayon::prelude::*;
+
 use crate::job::Job;
 use crate::measure::cells;
 use crate::measure::study::Study;
-use crate::write::maps;
-use crate::write::show;
-use enfilade_config::PairName;
-use enfilade_config::Settings;
-use enfilade_engine::measures::Column;
-use enfilade_engine::measures::UNDEFINED;
-use enfilade_overlay::HeatMap;
-use enfilade_overlay::Palette;
-use enfilade_overlay::Scale;
-use enfilade_overlay::glossary;
+use crate::write::{maps, show};
+use enfilade_config::{PairName, Settings};
+use enfilade_engine::measures::{Column, UNDEFINED};
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
-use enfilade_overlay::heat_map_png;
 use enfilade_overlay::picture::PlanPicture;
-use enfilade_report::Error;
-use enfilade_report::OutFile;
-use rayon::prelude::*;
+use enfilade_overlay::{HeatMap, Palette, Scale, glossary, heat_map_png};
+use enfilade_report::{Error, OutFile};
 
 /// How values become a heat map.
 pub(crate) struct MapLook {

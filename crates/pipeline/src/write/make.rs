@@ -3,20 +3,14 @@
 use crate::job::Job;
 use crate::measure::study::Study;
 use crate::read;
-use crate::understand::edits::edits_of;
-use crate::understand::edits::tied;
+use crate::understand::edits::{edits_of, tied};
 use crate::understand::understood::Understood;
-use crate::write::along;
-use crate::write::bounded;
 use crate::write::made::Made;
-use enfilade_cad::drawing::Edit;
-use enfilade_cad::drawing::place_in;
+use crate::write::{along, bounded};
+use enfilade_cad::drawing::{Edit, place_in};
 use enfilade_moves::Layout;
-use enfilade_moves::carried::Carried;
-use enfilade_moves::carried::carried;
-use enfilade_report::Error;
-use enfilade_report::Place;
-use enfilade_report::Report;
+use enfilade_moves::carried::{Carried, carried};
+use enfilade_report::{Error, Place, Report};
 
 /// Patches the drawing, reads it again and measures from scratch: what is reported is what is written.
 pub(crate) fn make(

@@ -1,17 +1,10 @@
 //! What of a layout is shown as maps over its cells.
 
 use crate::measure::aims::cell_values;
-use crate::measure::study::Study;
-use crate::measure::study::divisor;
+use crate::measure::study::{Study, divisor};
 use crate::measure::worth::Worth;
-use enfilade_config::Aggregate;
-use enfilade_config::Aim;
-use enfilade_config::Colours;
-use enfilade_config::Measure;
-use enfilade_config::PairName;
-use enfilade_config::Settings;
-use enfilade_engine::measures::Column;
-use enfilade_engine::measures::UNDEFINED;
+use enfilade_config::{Aggregate, Aim, Colours, Measure, PairName, Settings};
+use enfilade_engine::measures::{Column, UNDEFINED};
 use enfilade_overlay::Palette;
 use enfilade_overlay::picture::Cell;
 

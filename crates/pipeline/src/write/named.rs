@@ -1,7 +1,6 @@
 //! What messages call the walls of a plan.
 
-use enfilade_cad::drawing::place_in;
-use enfilade_cad::drawing::{Format, SourceRef};
+use enfilade_cad::drawing::{Format, SourceRef, place_in};
 use enfilade_cad::plane::box_of;
 use enfilade_plan::{Plan, Wall};
 use enfilade_report::Place;

@@ -1,8 +1,7 @@
 //! The report page of a round, from the round's own files.
 
 use crate::confirm::found::Found;
-use crate::job::Input;
-use crate::job::Job;
+use crate::job::{Input, Job};
 use crate::write::maps::Map;
 use enfilade_config::{Allow, Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure};
 use enfilade_overlay::measure::CHANGE;

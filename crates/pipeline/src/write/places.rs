@@ -1,8 +1,9 @@
 //! Places and numbers as results write them.
 
+use glam::DVec2;
+
 use enfilade_engine::geometry::PointUm;
 use enfilade_plan::Plan;
-use glam::DVec2;
 
 /// A share rounded as far as it is known.
 pub(crate) fn share(value: f64) -> f64 {

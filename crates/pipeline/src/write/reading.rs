@@ -1,8 +1,5 @@
 //! `reading` of `enfilade.check/2`.
 
-use crate::write::places::Places;
-use crate::write::places::round_mm;
-use crate::write::places::share;
 use std::collections::BTreeMap;
 
 use glam::DVec2;
@@ -11,6 +8,7 @@ use crate::measure::spacing;
 use crate::understand::sensed::{OpenGap, Sensed, length, of_entity};
 use crate::understand::understood::Understood;
 use crate::write::asked;
+use crate::write::places::{Places, round_mm, share};
 use crate::write::show::element_of;
 use enfilade_cad::curve::bulge_arc;
 use enfilade_cad::drawing::{Drawing, Entity, Format};

@@ -5,25 +5,14 @@ use crate::job::Job;
 use crate::measure::ruler::ruler;
 use crate::measure::study::Study;
 use crate::round::Round;
-use crate::write::along;
 use crate::write::changes::changes;
-use crate::write::diversity::distances;
-use crate::write::diversity::likeness;
-use crate::write::doors;
-use crate::write::leaving;
+use crate::write::diversity::{distances, likeness};
 use crate::write::made::Made;
-use crate::write::show;
+use crate::write::{along, doors, leaving, show};
 use enfilade_config::Settings;
-use enfilade_overlay::result;
-use enfilade_overlay::result::Best;
-use enfilade_overlay::result::Candidate;
-use enfilade_overlay::result::Diversity;
-use enfilade_overlay::result::Explanation;
-use enfilade_overlay::result::Gains;
-use enfilade_overlay::result::LineageEntry;
-use enfilade_overlay::result::MoveEntry;
-use enfilade_overlay::result::Numbers;
-use enfilade_overlay::result::RoundResult;
+use enfilade_overlay::result::{
+    self, Best, Candidate, Diversity, Explanation, Gains, LineageEntry, MoveEntry, Numbers, RoundResult,
+};
 use enfilade_overlay::words;
 use enfilade_report::Report;
 

@@ -1,7 +1,5 @@
 //! From a study to what the overlay shows: strokes, cells, result entries.
 
-use crate::write::maps::Map;
-use enfilade_engine::geometry::UM_PER_M;
 use glam::DVec2;
 
 use crate::measure::seen::Seen;
@@ -10,13 +8,13 @@ use crate::measure::worth::Worth;
 use crate::understand::building;
 use crate::understand::sensed::{Sensed, of_entity};
 use crate::understand::understood::Understood;
+use crate::write::maps::Map;
 use enfilade_cad::bearing;
 use enfilade_cad::curve::control_points;
-use enfilade_cad::drawing::place_in;
-use enfilade_cad::drawing::{Addition, Format, Mark, Shape, SourceRef, Vertex};
+use enfilade_cad::drawing::{Addition, Format, Mark, Shape, SourceRef, Vertex, place_in};
 use enfilade_config::Penalty;
 use enfilade_engine::Region;
-use enfilade_engine::geometry::{PointUm, Segment};
+use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
 use enfilade_moves::Layout;
 use enfilade_moves::carried::{Carried, carried};
 use enfilade_overlay::measure::{counts_cells, wording};

@@ -1,13 +1,9 @@
 //! What the report says of the options of a round: why there are fewer than wanted, why they are alike.
 
-use crate::confirm::nothing::GROUPS_TOLD;
-use crate::confirm::nothing::group_names;
-use crate::confirm::nothing::held_back;
-use crate::confirm::nothing::none_better;
-use crate::confirm::nothing::rules_clause;
 use std::collections::BTreeSet;
 
 use crate::confirm::found::Found;
+use crate::confirm::nothing::{GROUPS_TOLD, group_names, held_back, none_better, rules_clause};
 use crate::measure::study::Study;
 use crate::search::judged::{is_firm, pinned};
 use crate::search::rules::broken_limits;
