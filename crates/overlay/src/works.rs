@@ -250,9 +250,10 @@ impl WorksResult {
 
 /// A name without the area and the number that stand behind it: `Kitchen` of `Kitchen 9.9 m2`.
 fn without_area(name: &str) -> &str {
-    let area = name.split_whitespace().skip(1).find(|w| {
-        w.contains(['.', ',']) && w.chars().next().is_some_and(|c| c.is_ascii_digit())
-    });
+    let area = name
+        .split_whitespace()
+        .skip(1)
+        .find(|w| w.contains(['.', ',']) && w.chars().next().is_some_and(|c| c.is_ascii_digit()));
     area.and_then(|w| name.find(w)).map_or(name, |at| name[..at].trim_end())
 }
 

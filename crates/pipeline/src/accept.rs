@@ -7,11 +7,13 @@ use std::collections::BTreeSet;
 
 use toml::{Table, Value};
 
-use super::Input;
-use super::fits;
-use super::round::{edits_of, tied};
-use super::ruler::ruler;
-use super::study::{self, Understood, marked};
+use crate::job::{Input, Job};
+use crate::measure::ruler::ruler;
+use crate::read;
+use crate::understand::edits::{edits_of, tied};
+use crate::understand::understood;
+use crate::understand::understood::Understood;
+use crate::understand::{fits, marked};
 use enfilade_cad::drawing::{Format, Unit};
 use enfilade_cad::units::unit_by_name;
 use enfilade_config::{
@@ -101,7 +103,11 @@ pub fn accept(
         })?;
     let settings = Settings { beside, ..settings };
     let mut report = Report::default();
-    let base = study::read(input.file(), &input.bytes, &settings, &mut report)?;
+    let base = understood(
+        &read::drawing(input.file(), &input.bytes, &settings, &mut report)?,
+        &settings,
+        &mut report,
+    )?;
     if base.moves.parameters.len() != parameters.len() {
         let text = format!(
             "{origin} has {}, the drawing {}; run it again",
@@ -115,9 +121,11 @@ pub fn accept(
         Error::input("parameters", place().entity(name), text)
     })?;
     let layout = base.moves.apply(&base.plan, &base.graph, parameters);
-    let options = study::read_options(&settings);
+    let options = read::read_options(&settings);
     let mut edits = edits_of(&base, &layout);
-    edits.extend(tied(input, &settings, &base, &edits)?.following.into_iter().map(|f| f.edit));
+    edits.extend(
+        tied(Job { input, settings: &settings }, &base, &edits)?.following.into_iter().map(|f| f.edit),
+    );
     let drawing = enfilade_cad::patch(input.file(), &input.bytes, &options, &edits, &[])?;
     let lineage = LineageTable {
         drawing: input.file().into(),
@@ -167,7 +175,11 @@ fn moves_again(
     let text = toml::to_string(side_car).map_err(toml_failed)?;
     let again =
         Settings { beside: settings.beside.clone(), ..Settings::new(Partial::from_toml("", &text)?)? };
-    let base = study::read(input.file(), drawing, &again, &mut Report::default())?;
+    let base = understood(
+        &read::drawing(input.file(), drawing, &again, &mut Report::default())?,
+        &again,
+        &mut Report::default(),
+    )?;
     Ok(fits::known_moves(&base))
 }
 

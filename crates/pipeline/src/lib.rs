@@ -2,533 +2,63 @@
 //!
 //! Bytes and settings in; files to write, progress and problems out. Clock, seed and stop request are
 //! inputs; nothing here touches a disk.
+//!
+//! A job goes one way, and what a stage makes is all that the next one needs:
+//!
+//! | stage | takes | makes |
+//! |---|---|---|
+//! | `read` | the bytes of a file | `Drawing` |
+//! | `understand` | `Drawing` | `Understood`: plan, axes, what may move |
+//! | `measure` | `Understood` | [`Study`]: lattices, the present layout measured |
+//! | `search` | `Round`: the study and what is asked of it | `Searched` |
+//! | `confirm` | `Searched` | `Found`: options, confirmed and explained |
+//! | `write` | `Round`, `Found` | files, [`Outcome`] |
 
 pub mod accept;
-mod aims;
-mod asked;
-mod backend;
-mod building;
-pub mod cells;
-mod estimate;
-mod explain;
-mod fits;
-pub mod geojson;
-mod graph;
-mod lattices;
-mod memory;
-mod page;
-mod reading;
+mod analyse;
+mod check;
+mod confirm;
+mod job;
+mod measure;
+mod read;
 pub mod resolution;
-mod rooms;
 mod round;
-mod ruler;
-mod rules;
-mod sensed;
-mod show;
-mod spacing;
+mod search;
+mod storey;
 mod storeys;
-mod study;
-mod traces;
+mod understand;
 pub mod works;
+mod write;
 
-use std::borrow::Cow;
-use std::sync::OnceLock;
 use std::time::Instant;
 
-use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
+use confirm::found::{Found, found};
+use enfilade_config::Settings;
+use enfilade_overlay::PlanPicture;
+use enfilade_overlay::result::RoundResult;
+use enfilade_report::{Cancel, Error, Report};
+use job::{Job, Watch};
+use round::Round;
+use search::brief::{Brief, is_bare};
+use search::judged::objectives;
+use search::rules;
+use understand::fits;
 
-use enfilade_cad::Opened;
-use enfilade_config::{PairName, Settings};
-use enfilade_engine::measures::{Column, UNDEFINED};
-use enfilade_engine::sampled::AREA_ROOTS;
-use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
-use enfilade_overlay::result::{self, AnalysisResult, CheckResult};
-use enfilade_overlay::{HeatMap, Palette, PlanPicture, Scale, check_png, glossary, heat_map_png};
-use enfilade_report::{Cancel, Error, OutFile, Place, Report, counted};
-pub use fits::moves_of;
-pub use memory::Keep;
-pub use study::{LatticeAt, Study, Use, read_options};
-
-/// A drawing to work on.
-#[derive(Clone, Debug)]
-pub struct Input<'a> {
-    /// Path as the user would name it; its last part is shown in places.
-    pub path: &'a str,
-    /// The file without result layers of ours (a candidate used as the new plan has some).
-    pub bytes: Cow<'a, [u8]>,
-    /// The file as it lies on disk.
-    whole: &'a [u8],
-    sha256: OnceLock<String>,
-    /// Number of the round that is made, from 1; shown only.
-    pub round: u64,
-    /// What an earlier start of the same job handed out as [`Event::Keep`], in order; empty: nothing.
-    pub earlier: &'a [u8],
-}
-
-impl<'a> Input<'a> {
-    /// Takes a file's bytes.
-    pub fn new(path: &'a str, bytes: &'a [u8], round: u64) -> Self {
-        let plain = enfilade_cad::plain(path, bytes);
-        Self { path, bytes: plain, whole: bytes, sha256: OnceLock::new(), round, earlier: &[] }
-    }
-
-    /// Digest of the file as it lies on disk, lower-case hexadecimal; made when first asked for.
-    pub fn sha256(&self) -> &str {
-        let of = || Sha256::digest(self.whole).iter().map(|b| format!("{b:02x}")).collect();
-        self.sha256.get_or_init(of)
-    }
-
-    /// Digest of the file without the time at which it was written: see [`enfilade_cad::timeless`].
-    pub fn content(&self) -> String {
-        enfilade_cad::timeless(std::path::Path::new(self.path), self.whole)
-    }
-
-    /// With what an earlier start of the same job handed out.
-    pub fn going_on_from(self, earlier: &'a [u8]) -> Self {
-        Self { earlier, ..self }
-    }
-
-    /// Name to show.
-    pub fn file(&self) -> &'a str {
-        self.path.rsplit(['/', '\\']).next().unwrap_or(self.path)
-    }
-}
-
-/// How far a job is: the line of `--progress json`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Progress {
-    /// `read`, `measure`, `optimise: degree`, `write` …
-    pub stage: String,
-    /// Steps done of this stage.
-    pub done: u64,
-    /// Steps of this stage, if known.
-    pub total: Option<u64>,
-    /// Layouts measured.
-    pub evaluations: u64,
-    /// Best value so far of what the stage optimises.
-    pub best: Option<f64>,
-    /// Parameters of the layout that has it, in the order of the moves table.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub best_parameters: Option<Vec<f64>>,
-    /// Seconds left, if known.
-    pub eta_secs: Option<f64>,
-    /// Where the best so far was just written.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub folder: Option<String>,
-}
-
-/// What a running job says.
-#[derive(Clone, Debug)]
-pub enum Event {
-    /// It got on.
-    Progress(Progress),
-    /// The heat maps of the present layout, to be shown before the search ends: files of `analysis/`.
-    Analysis(Vec<OutFile>),
-    /// The best so far of a search that goes on: files as of a round.
-    SoFar {
-        /// The files.
-        files: Vec<OutFile>,
-        /// How far the search was; its stage is `so-far`.
-        progress: Progress,
-    },
-    /// To be kept until the job is done: given back as [`Input::earlier`], it spares measuring again.
-    Keep(Keep),
-}
-
-/// A finished job.
-#[derive(Clone, Debug)]
-pub struct Outcome<T> {
-    /// What it found.
-    pub result: T,
-    /// Files of the folder it makes.
-    pub files: Vec<OutFile>,
-    /// What was left out or assumed.
-    pub report: Report,
-}
-
-/// Runs a job on as many threads as the settings say.
-///
-/// # Errors
-/// [`Error::Environment`] when the threads cannot be started; what the job returns.
-pub fn on_threads<T: Send>(
-    settings: &Settings,
-    job: impl FnOnce() -> Result<T, Error> + Send,
-) -> Result<T, Error> {
-    let threads = settings.threads.unwrap_or(0);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
-        Error::environment(
-            "threads",
-            Default::default(),
-            format!("{threads} threads could not be started: {e}"),
-        )
-    })?;
-    pool.install(job)
-}
-
-/// What [`check_with`] makes besides its result.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Extras {
-    /// `check.png`, and `storey-N/check.png` of the other storeys.
-    pub picture: bool,
-    /// `graph.json` and `graph.graphml`.
-    pub graph: bool,
-}
-
-/// What the program understands, with picture and graph.
-///
-/// # Errors
-/// As [`check_with`].
-pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResult>, Error> {
-    check_with(input, settings, Extras { picture: true, graph: true })
-}
-
-/// `enfilade check`: what the program understands.
-///
-/// # Errors
-/// [`Error::Input`] when the drawing cannot be read.
-pub fn check_with(
-    input: &Input<'_>,
-    settings: &Settings,
-    extras: Extras,
-) -> Result<Outcome<CheckResult>, Error> {
-    let settings = &*building::on_storey_of_query(input, settings)?;
-    let mut report = Report::default();
-    state_unread(input, settings, &mut report);
-    let opened = Opened::new(input.file(), &input.bytes)?;
-    let drawing = opened.read(&study::read_options(settings), &mut report)?;
-    let base = study::understood(&drawing, settings, &mut report)?;
-    let mut result = show::check(&base, &report);
-    let sensed = sensed::Sensed::new(&base, settings);
-    let rooms = rooms::rooms_with_kinds(&base, &sensed, settings)?;
-    result.reading = Some(reading::reading(&base, &drawing, (&sensed, &rooms)));
-    let mut files = Vec::new();
-    if extras.picture {
-        files.push(OutFile::new("check.png", check_picture(&base, &sensed, &rooms)?));
-    }
-    if extras.graph {
-        let graph = graph::graph(&base, &sensed, &reading::names(&base, &sensed));
-        files.push(OutFile::new("graph.json", result::to_json(&graph)?));
-        files.push(OutFile::new("graph.graphml", graph.to_graphml()));
-    }
-    let drawn = extras.picture.then_some(&mut files);
-    (result.building, result.storeys) = storeys::check(&opened, settings, &base, drawn, &mut report);
-    Ok(Outcome { result, files, report })
-}
-
-/// Says what lies beside the drawing, was meant as its settings, and is not read; and which storey was taken for the
-/// settings.
-fn state_unread(input: &Input<'_>, settings: &Settings, report: &mut Report) {
-    if let Some(why) = &settings.storey_taken {
-        report.info("storey-of-query", Place::file(input.file()), why.as_str());
-    }
-    for (found, right) in &settings.unread {
-        let text = format!(
-            "{found} lies beside it and is not read: settings of this drawing are read from a file named {right}; \
-             rename it"
-        );
-        report.warn("side-car-name", Place::file(input.file()), text);
-    }
-}
-
-fn check_picture(
-    base: &study::Understood,
-    sensed: &sensed::Sensed,
-    rooms: &[rooms::Room],
-) -> Result<Vec<u8>, Error> {
-    let picture = show::check_picture(base, sensed, rooms);
-    check_png(&picture, &base.plan.file, &reading::headline(base, sensed).words(), DEFAULT_SIDE_PX)
-}
-
-/// `enfilade analyse`: measures the present layout; the files of `analysis/`.
-///
-/// # Errors
-/// [`Error::Input`] when the drawing cannot be read or no cell is left; [`Error::Stopped`].
-pub fn analyse(
-    input: &Input<'_>,
-    settings: &Settings,
-    cancel: &Cancel,
-) -> Result<(Outcome<AnalysisResult>, Study), Error> {
-    analyse_from(input, settings, None, &mut || {}, cancel)
-}
-
-/// [`analyse`] with breadth-first trees of about so many roots: what is told of depth and entropy is estimated.
-/// `understood` is called once the drawing is, before it is measured.
-///
-/// # Errors
-/// As [`analyse`].
-pub fn analyse_from(
-    input: &Input<'_>,
-    settings: &Settings,
-    roots: Option<usize>,
-    understood: &mut (dyn FnMut() + Send),
-    cancel: &Cancel,
-) -> Result<(Outcome<AnalysisResult>, Study), Error> {
-    let settings = &*building::on_storey_of_query(input, settings)?;
-    let (mut outcome, study) = analyse_storey(input, settings, roots, understood, cancel)?;
-    if roots.is_none() {
-        outcome.result.estimate = estimate::present(&study, settings);
-        tell_anew(&mut outcome)?;
-    }
-    add_storeys(input, settings, &study, &mut outcome, cancel)?;
-    Ok((outcome, study))
-}
-
-/// Measures the other storeys of a building; `true` where there are any.
-fn add_storeys(
-    input: &Input<'_>,
-    settings: &Settings,
-    study: &Study,
-    outcome: &mut Outcome<AnalysisResult>,
-    cancel: &Cancel,
-) -> Result<bool, Error> {
-    let Outcome { result, files, report } = outcome;
-    result.storeys = storeys::analyse(input, settings, study, files, report, cancel)?;
-    if outcome.result.storeys.is_empty() {
-        return Ok(false);
-    }
-    tell_anew(outcome)?;
-    Ok(true)
-}
-
-/// Writes the result of an analysis again, of which more is known now.
-fn tell_anew(outcome: &mut Outcome<AnalysisResult>) -> Result<(), Error> {
-    outcome.files.retain(|f| f.path.as_os_str() != "analysis.json");
-    outcome.files.push(OutFile::new("analysis.json", result::to_json(&outcome.result)?));
-    Ok(())
-}
-
-/// Adds the columns that were asked for to an analysis: their means and a heat map of each.
-///
-/// # Errors
-/// Where a picture cannot be drawn.
-pub fn add_columns(
-    input: &Input<'_>,
-    settings: &Settings,
-    (study, measured): (&Study, &cells::Measured),
-    outcome: &mut Outcome<AnalysisResult>,
-) -> Result<(), Error> {
-    outcome.files.extend(column_pictures(input, settings, study, measured)?);
-    outcome.result.columns = cells::means(study, measured);
-    tell_anew(outcome)
-}
-
-/// Measures the storey that the settings name, or the one with most walls.
-fn analyse_storey(
-    input: &Input<'_>,
-    settings: &Settings,
-    roots: Option<usize>,
-    understood: &mut (dyn FnMut() + Send),
-    cancel: &Cancel,
-) -> Result<(Outcome<AnalysisResult>, Study), Error> {
-    let (study, report) = measure_storey(input, settings, roots, understood, cancel)?;
-    let outcome = analysis_of(input, settings, &study, report)?;
-    Ok((outcome, study))
-}
-
-/// Reads a drawing and measures its present layout as [`analyse_from`] does, and draws nothing: for whoever asks for
-/// values alone. Of a building with several storeys the one that is analysed.
-///
-/// # Errors
-/// As [`analyse`].
-pub fn measure(
-    input: &Input<'_>,
-    settings: &Settings,
-    roots: Option<usize>,
-    understood: &mut (dyn FnMut() + Send),
-    cancel: &Cancel,
-) -> Result<(Study, Report), Error> {
-    measure_storey(input, &*building::on_storey_of_query(input, settings)?, roots, understood, cancel)
-}
-
-/// A study of the storey, and what there is to say of it.
-fn measure_storey(
-    input: &Input<'_>,
-    settings: &Settings,
-    roots: Option<usize>,
-    understood: &mut (dyn FnMut() + Send),
-    cancel: &Cancel,
-) -> Result<(Study, Report), Error> {
-    let mut report = Report::default();
-    state_unread(input, settings, &mut report);
-    let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
-    understood();
-    cancel.check()?;
-    let mut study = Study::from_roots(base, settings, roots, &mut report)?;
-    match roots {
-        None => backend::choose(&mut study, settings.backend, input, &mut report),
-        Some(asked) => {
-            backend::state_unused(settings.backend, input, &mut report);
-            state_estimated(&study, asked, input, &mut report);
-        }
-    }
-    state_cut_off(&study, input, &mut report);
-    cancel.check()?;
-    Ok((study, report))
-}
+pub use analyse::{add_columns, analyse, analyse_from, measure};
+pub use check::{Extras, check, check_with};
+pub use job::{Event, Input, Keep, Outcome, Progress, on_threads};
+pub use measure::cells;
+pub use measure::look::LatticeAt;
+pub use measure::seen::Use;
+pub use measure::study::Study;
+pub use read::read_options;
+pub use understand::fits::moves_of;
+pub use write::geojson;
+pub use write::heat_maps::{ColumnLook, column_look};
 
 /// The plan of a study as it is shown: strokes and regions, plan frame.
 pub fn picture(study: &Study) -> PlanPicture {
-    show::picture(&study.base)
-}
-
-fn state_estimated(study: &Study, asked: usize, input: &Input<'_>, report: &mut Report) {
-    let Some(estimated) = &study.initial.seen.estimated else { return };
-    let text = format!(
-        "depth and entropy are estimated from {} ({asked} asked for; every area that no view joins to the rest has at \
-         least {AREA_ROOTS}, or all its cells); no map of either was made: --measures graph shows estimates for every cell",
-        counted(estimated.places.len() as u64, "root")
-    );
-    report.info("estimated", Place::file(input.file()), text);
-}
-
-fn state_cut_off(study: &Study, input: &Input<'_>, report: &mut Report) {
-    let cut_off = study.cut_off();
-    if cut_off.areas > 0 {
-        let text = format!(
-            "areas that no view joins to the largest one: {}, with {} in all; their measures are those of their own area. \
-             Cells that see no other at all: {}; measures that need another cell are −1 there",
-            cut_off.areas,
-            counted(cut_off.cells as u64, "cell"),
-            cut_off.alone
-        );
-        report.info("cut-off-areas", Place::file(input.file()), text);
-    }
-}
-
-fn analysis_of(
-    input: &Input<'_>,
-    settings: &Settings,
-    study: &Study,
-    report: Report,
-) -> Result<Outcome<AnalysisResult>, Error> {
-    let result = analysis_result(input, study, &report);
-    let picture = show::picture(&study.base);
-    let mut files = vec![OutFile::new("analysis.json", result::to_json(&result)?)];
-    let mut jobs = show::maps(study);
-    jobs.retain(|m| m.measure.is_of_cells() && (study.roots.is_none() || !aims::is_of_trees(m.measure)));
-    let pictures = rayon_map(&jobs, |m| {
-        let values = show::values(study, &study.initial, *m, settings);
-        let scale = Scale::of(values.iter().copied().filter(|v| v.is_finite()));
-        let look = MapLook { title: m.title(), unit: m.unit(), scale, palette: show::palette(settings) };
-        heat_map(study, &picture, (m.pair, &values), &look, &format!("{}, as drawn", input.file()))
-    });
-    for (m, png) in jobs.iter().zip(pictures) {
-        files.push(OutFile::new(format!("{}.png", m.file()), png?));
-    }
-    let sensed = sensed::Sensed::new(&study.base, settings);
-    let rooms = rooms::rooms_with_kinds(&study.base, &sensed, settings)?;
-    files.push(OutFile::new("check.png", check_picture(&study.base, &sensed, &rooms)?));
-    Ok(Outcome { result, files, report })
-}
-
-fn analysis_result(input: &Input<'_>, study: &Study, report: &Report) -> AnalysisResult {
-    AnalysisResult {
-        schema: result::ANALYSIS_SCHEMA.into(),
-        version: enfilade_config::VERSION.into(),
-        input: show::input(&study.base.plan, input),
-        spacing_m: study.spacing_m,
-        lattice_centre: lattice_centre(study),
-        counts: show::counts(study, study.edges),
-        mean: show::mean_numbers(study, &study.initial),
-        columns: Default::default(),
-        estimated_from_roots: study.initial.seen.estimated.as_ref().map(|e| e.places.len() as u64),
-        mean_ci95: show::mean_half_widths(study),
-        estimate: Default::default(),
-        penalty: show::penalty_numbers(&study.initial),
-        storeys: Vec::new(),
-        problems: report.problems.iter().map(Into::into).collect(),
-    }
-}
-
-fn lattice_centre(study: &Study) -> [f64; 2] {
-    study.lattice.origin_um.map(|v| v as f64 / 1e6)
-}
-
-/// How values become a heat map.
-struct MapLook {
-    title: String,
-    unit: &'static str,
-    scale: Scale,
-    palette: Palette,
-}
-
-/// One heat map of a layout's values over the cells of a pair.
-fn heat_map(
-    study: &Study,
-    picture: &PlanPicture,
-    (pair, values): (Option<PairName>, &[f64]),
-    look: &MapLook,
-    subtitle: &str,
-) -> Result<Vec<u8>, Error> {
-    let map = HeatMap {
-        picture,
-        cells: &show::cells(study, pair, values),
-        spacing_m: study.spacing_m,
-        scale: look.scale,
-        title: &look.title,
-        subtitle,
-        unit: look.unit,
-        no_value: "not measured",
-        palette: look.palette,
-    };
-    heat_map_png(&map, DEFAULT_SIDE_PX)
-}
-
-/// How a column is shown as a heat map.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ColumnLook {
-    /// What one unit of it is; empty for plain numbers.
-    pub unit: &'static str,
-    /// Range of the colours.
-    pub scale: Scale,
-    /// Colours.
-    pub palette: Palette,
-}
-
-/// How a column of this name and with these values is shown; directions have a full turn of colours.
-pub fn column_look(name: &str, values: &[f64], settings: &Settings) -> ColumnLook {
-    let unit = glossary::entry_of(name).map_or("", |e| e.unit);
-    if unit == enfilade_brief::column::DEGREES {
-        return ColumnLook { unit, scale: Scale { lo: 0.0, hi: 360.0 }, palette: Palette::Cyclic };
-    }
-    let known = values.iter().copied().filter(|v| *v != UNDEFINED);
-    ColumnLook { unit, scale: Scale::of(known), palette: show::palette(settings) }
-}
-
-/// A heat map of each column over the present layout: files of `analysis/`, named after the columns.
-///
-/// # Errors
-/// When a picture cannot be made.
-fn column_pictures(
-    input: &Input<'_>,
-    settings: &Settings,
-    study: &Study,
-    measured: &cells::Measured,
-) -> Result<Vec<OutFile>, Error> {
-    let picture = show::picture(&study.base);
-    let subtitle = format!("{}, as drawn", input.file());
-    let one = |column: &Column| {
-        let look = column_look(&column.name, &column.values, settings);
-        let map = HeatMap {
-            picture: &picture,
-            scale: look.scale,
-            cells: &show::column_cells(study, column),
-            spacing_m: study.spacing_m,
-            title: &measured.title(&column.name),
-            subtitle: &subtitle,
-            unit: look.unit,
-            no_value: measured.no_value(&column.name),
-            palette: look.palette,
-        };
-        Ok(OutFile::new(format!("{}.png", show::slug(&column.name)), heat_map_png(&map, DEFAULT_SIDE_PX)?))
-    };
-    rayon_map(&measured.columns, one).into_iter().collect()
-}
-
-fn rayon_map<A: Sync, B: Send>(items: &[A], f: impl Fn(&A) -> B + Sync + Send) -> Vec<B> {
-    use rayon::prelude::*;
-    items.par_iter().map(f).collect()
+    write::show::picture(&study.base)
 }
 
 /// `enfilade run`: the whole job; the files of one round.
@@ -543,14 +73,62 @@ pub fn run(
     started: Instant,
     show: &mut (dyn FnMut(Event) + Send),
     cancel: &Cancel,
-) -> Result<Outcome<result::RoundResult>, Error> {
-    show(Event::Progress(Progress { stage: "read".into(), ..Default::default() }));
-    let settings = &*building::on_storey_of_query(input, settings)?;
-    let mut understood = || show(Event::Progress(Progress { stage: "measure".into(), ..Default::default() }));
-    let (mut analysis, study) = analyse_storey(input, settings, None, &mut understood, cancel)?;
-    show(Event::Analysis(analysis.files.clone()));
-    if add_storeys(input, settings, &study, &mut analysis, cancel)? {
-        show(Event::Analysis(analysis.files));
+) -> Result<Outcome<RoundResult>, Error> {
+    let mut watch = Watch { show, cancel };
+    watch.stage("read", None);
+    let settings = &*read::query::on_storey_of_query(input, settings)?;
+    let job = Job { input, settings };
+    let mut understood = || watch.stage("measure", None);
+    let (mut analysis, study) = storey::analyse_storey(job, None, &mut understood, cancel)?;
+    (watch.show)(Event::Analysis(analysis.files.clone()));
+    if analyse::add_storeys(job, &study, &mut analysis, cancel)? {
+        (watch.show)(Event::Analysis(analysis.files));
     }
-    round::run(input, settings, &study, analysis.report, started, show, cancel)
+    round(job, &study, analysis.report, started, &mut watch)
+}
+
+/// One round over a study: search, confirm, write. `report` holds what there is to say of the drawing.
+fn round(
+    job: Job<'_>,
+    study: &Study,
+    mut report: Report,
+    started: Instant,
+    watch: &mut Watch<'_>,
+) -> Result<Outcome<RoundResult>, Error> {
+    let settings = &fits::fitted(&study.base, job.settings, &mut report)?;
+    rules::say_odd(&study.base, settings, &mut report)?;
+    let round = Round::new(Job { settings, ..job }, study, started);
+    round.state_asked(&mut report);
+    let found = if round.is_open() { Some(options(&round, &report, watch)?) } else { None };
+    let listed = if is_bare(settings) { None } else { Some(works::of_study(round.job, study, watch.cancel)) };
+    // Whoever stops the search keeps its best, not the list.
+    let listed = listed.and_then(Result::ok);
+    if let Some((works, _)) = &listed {
+        works::say_best(works, &mut report);
+    }
+    watch.stage("write", Some(found.as_ref().map_or(0, |f| f.members.len() as u64)));
+    let mut outcome = write::write(&round, report, found.as_ref())?;
+    outcome.files.extend(listed.into_iter().flat_map(|l| l.1));
+    outcome.files.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(outcome)
+}
+
+/// What a round finds: a search, and what is confirmed of it. The best so far is handed out as often as the settings say.
+fn options(round: &Round<'_>, report: &Report, watch: &mut Watch<'_>) -> Result<Found, Error> {
+    let Job { input, settings } = round.job;
+    let study = round.study;
+    let control = rules::control(&study.base, settings)?;
+    let objectives = objectives(settings);
+    // Too small a floor has no cells on wider lattices.
+    let trial = if is_bare(settings) { None } else { measure::lattices::trial(study, settings) };
+    let trial = trial.as_ref().unwrap_or(study);
+    let brief = Brief { input, study, trial, settings, control: &control, objectives: &objectives };
+    let mut so_far = |search: &enfilade_search::Search, at: Progress, watch: &mut Watch<'_>| {
+        let made = write::write(round, report.clone(), Some(&found(&brief, search, &[])))?;
+        let progress = Progress { stage: "so-far".into(), ..at };
+        (watch.show)(Event::SoFar { files: made.files, progress });
+        Ok(())
+    };
+    let searched = search::search(&brief, round.started, watch, &mut so_far)?;
+    confirm::confirm(&brief, &searched, watch, &mut so_far)
 }

@@ -8,8 +8,13 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use super::study::{self, Study};
-use super::{Event, Input, Outcome, Progress, estimate, show, spacing};
+use crate::job::{Event, Input, Outcome, Progress};
+use crate::measure::study::Study;
+use crate::measure::{estimate, spacing};
+use crate::read;
+use crate::understand::understood;
+use crate::understand::understood::Understood;
+use crate::write::show;
 use enfilade_config::Settings;
 use enfilade_engine::lattice::floor_on_walls;
 use enfilade_overlay::chart::{Panel, resolution_png};
@@ -121,10 +126,14 @@ pub fn resolution(
     show: &mut (dyn FnMut(Event) + Send),
     cancel: &Cancel,
 ) -> Result<Outcome<ResolutionResult>, Error> {
-    let settings = &*super::building::on_storey_of_query(input, settings)?;
+    let settings = &*crate::read::query::on_storey_of_query(input, settings)?;
     let mut report = Report::default();
-    super::state_unread(input, settings, &mut report);
-    let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
+    crate::read::state_unread(input, settings, &mut report);
+    let base = understood(
+        &read::drawing(input.file(), &input.bytes, settings, &mut report)?,
+        settings,
+        &mut report,
+    )?;
     let series = series(&base, options, input.file())?;
     let samples = sampled(&base.moves.bounds(), options.samples, settings.seed);
     let plan = base.plan.clone();
@@ -170,7 +179,7 @@ pub fn resolution(
 }
 
 /// The spacings studied, coarsest first.
-fn series(base: &study::Understood, options: &Options, file: &str) -> Result<Vec<f64>, Error> {
+fn series(base: &Understood, options: &Options, file: &str) -> Result<Vec<f64>, Error> {
     let area_m2 = spacing::area_m2(base);
     let usable = |s: f64| {
         let vertices = area_m2 / (s * s);

@@ -1,9 +1,18 @@
 //! The other storeys of a building: each checked and measured by itself, in a folder of its own.
 
-use super::rooms::rooms_with_kinds;
-use super::sensed::Sensed;
-use super::study::Understood;
-use super::{Input, Study, analyse_storey, building, check_picture, show, study};
+use rayon::prelude::*;
+
+use crate::job::Job;
+use crate::measure::study::Study;
+use crate::read;
+use crate::storey::analyse_storey;
+use crate::understand::building;
+use crate::understand::rooms::rooms_with_kinds;
+use crate::understand::sensed::Sensed;
+use crate::understand::understood;
+use crate::understand::understood::Understood;
+use crate::write::check_picture::check_picture;
+use crate::write::show;
 use enfilade_cad::{Opened, StoreyInfo};
 use enfilade_config::Settings;
 use enfilade_overlay::result::{BuildingEntry, Numbers, ProblemEntry, StoreyEntry};
@@ -39,7 +48,7 @@ fn main_of(
     list: &[(StoreyInfo, String, Settings)],
     settings: &Settings,
 ) -> Option<usize> {
-    let main = enfilade_cad::main_storey(found, study::read_options(settings).cut_m())?;
+    let main = enfilade_cad::main_storey(found, read::read_options(settings).cut_m())?;
     let folder = folder_of(main);
     list.iter().position(|(_, own, _)| *own == folder)
 }
@@ -80,25 +89,25 @@ fn failed(storey: &StoreyInfo, error: &Error) -> StoreyEntry {
 }
 
 /// What a building has, and every storey where it has several; adds `storey-N/check.png` to `files`.
-pub(super) fn check(
+pub(crate) fn check(
     opened: &Opened<'_>,
     settings: &Settings,
     shown: &Understood,
     mut files: Option<&mut Vec<OutFile>>,
     report: &mut Report,
 ) -> (Option<BuildingEntry>, Vec<StoreyEntry>) {
-    let (found, elements) = opened.building(&study::read_options(settings));
+    let (found, elements) = opened.building(&read::read_options(settings));
     let list = others(&found, settings);
     let main = main_of(&found, &list, settings);
     let others = list.iter().enumerate().filter(|(i, _)| Some(*i) != main).map(|(_, (_, _, own))| own);
-    let options: Vec<_> = others.clone().map(study::read_options).collect();
+    let options: Vec<_> = others.clone().map(read::read_options).collect();
     let drawings = opened.read_all(&options);
     let others: Vec<_> = others.zip(&drawings).collect();
     let is_drawn = files.is_some();
-    let made = super::rayon_map(&others, |(own, (drawing, report))| {
+    let made = others.par_iter().map(|(own, (drawing, report))| {
         let mut report = report.clone();
         let drawing = drawing.as_ref().map_err(Clone::clone)?;
-        let base = study::understood(drawing, own, &mut report)?;
+        let base = understood(drawing, own, &mut report)?;
         let picture = || {
             let sensed = Sensed::new(&base, own);
             check_picture(&base, &sensed, &rooms_with_kinds(&base, &sensed, own)?)
@@ -106,7 +115,7 @@ pub(super) fn check(
         let png = is_drawn.then(picture).transpose()?;
         Ok((png, base, report))
     });
-    let mut made = made.into_iter();
+    let mut made = made.collect::<Vec<Result<_, Error>>>().into_iter();
     let mut out = Vec::new();
     for (i, (storey, folder, _)) in list.iter().enumerate() {
         if Some(i) == main {
@@ -143,15 +152,15 @@ fn building_entry(e: enfilade_cad::ifc::Elements) -> BuildingEntry {
 ///
 /// # Errors
 /// [`Error::Stopped`].
-pub(super) fn analyse(
-    input: &Input<'_>,
-    settings: &Settings,
+pub(crate) fn analyse(
+    job: Job<'_>,
     shown: &Study,
     files: &mut Vec<OutFile>,
     report: &mut Report,
     cancel: &Cancel,
 ) -> Result<Vec<StoreyEntry>, Error> {
-    let found = enfilade_cad::storeys(input.file(), &input.bytes, &study::read_options(settings));
+    let Job { input, settings } = job;
+    let found = enfilade_cad::storeys(input.file(), &input.bytes, &read::read_options(settings));
     let list = others(&found, settings);
     let main = main_of(&found, &list, settings);
     let mut out = Vec::new();
@@ -161,7 +170,7 @@ pub(super) fn analyse(
             out.push(entry(storey, &shown.base, ".", show::mean_numbers(shown, &shown.initial)));
             continue;
         }
-        out.push(match analyse_storey(input, own, shown.roots, &mut || {}, cancel) {
+        out.push(match analyse_storey(Job { input, settings: own }, shown.roots, &mut || {}, cancel) {
             Ok((outcome, study)) => {
                 let inside =
                     |f: OutFile| OutFile { path: format!("{folder}/{}", f.path.display()).into(), ..f };
@@ -182,6 +191,7 @@ mod tests {
     use std::fmt::Write as _;
 
     use super::*;
+    use crate::read;
     use enfilade_config::Partial;
 
     /// A tower: one wall a storey.
@@ -213,7 +223,7 @@ mod tests {
     fn a_tower_has_its_lowest_storeys_measured() {
         let settings = Settings::new(Partial::default()).unwrap();
         let found =
-            |n: usize| enfilade_cad::storeys("t.ifc", tower(n).as_bytes(), &study::read_options(&settings));
+            |n: usize| enfilade_cad::storeys("t.ifc", tower(n).as_bytes(), &read::read_options(&settings));
         let count = |n: usize| others(&found(n), &settings).len();
         assert_eq!((count(1), count(3), count(STOREYS_MAX + 2)), (0, 3, STOREYS_MAX));
     }

@@ -4,13 +4,16 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::estimate::{Sampled, interval};
-use super::lattices;
-use super::reading::names;
-use super::sensed::Sensed;
-use super::show;
-use super::study::{LatticeAt, Study, Use};
-use super::{Input, Outcome, measure};
+use crate::analyse::measure;
+use crate::job::{Input, Job, Outcome};
+use crate::measure::estimate::{Sampled, interval};
+use crate::measure::lattices;
+use crate::measure::look::LatticeAt;
+use crate::measure::seen::Use;
+use crate::measure::study::Study;
+use crate::understand::rooms::rooms_with_kinds;
+use crate::understand::sensed::Sensed;
+use crate::write::show;
 use enfilade_config::Settings;
 use enfilade_engine::forest::tally;
 use enfilade_engine::geometry::{Segment, UM_PER_M};
@@ -25,7 +28,7 @@ use enfilade_overlay::works::{
     WorksResult, works_png,
 };
 use enfilade_plan::Plan;
-use enfilade_report::{Cancel, Error, OutFile};
+use enfilade_report::{Cancel, Error, OutFile, Place, Report};
 use enfilade_works::counts::Present;
 use enfilade_works::rooms::rooms_of;
 use enfilade_works::walls::{Wall, walls};
@@ -37,6 +40,9 @@ const WITH_STEPS: usize = 24;
 const CONFIRMED: usize = 6;
 /// Works that are listed at most, allowed and forbidden each: more than anybody reads.
 const LISTED: usize = 200;
+/// Works that the report of a round names, allowed and forbidden.
+const SAID: usize = 3;
+const SAID_FORBIDDEN: usize = 2;
 /// How much further the mean of a gain may lie than two lattices show: extrapolation from one spacing to half of it.
 const REACH: f64 = 1.0;
 /// Lattices of either spacing with which somebody else would measure again.
@@ -52,7 +58,7 @@ pub fn works_of(
     cancel: &Cancel,
 ) -> Result<(Outcome<WorksResult>, Study), Error> {
     let (study, report) = measure(input, settings, None, &mut || {}, cancel)?;
-    let (result, files) = of_study(input, settings, &study, cancel)?;
+    let (result, files) = of_study(Job { input, settings }, &study, cancel)?;
     Ok((Outcome { result, files, report }, study))
 }
 
@@ -60,15 +66,15 @@ pub fn works_of(
 ///
 /// # Errors
 /// [`Error::Stopped`]; where the picture cannot be drawn.
-pub fn of_study(
-    input: &Input<'_>,
-    settings: &Settings,
+pub(crate) fn of_study(
+    job: Job<'_>,
     study: &Study,
     cancel: &Cancel,
 ) -> Result<(WorksResult, Vec<OutFile>), Error> {
+    let Job { input, settings } = job;
     let base = &study.base;
     let sensed = Sensed::new(base, settings);
-    let rooms = rooms(study, settings, &sensed);
+    let rooms = rooms(study, settings, &sensed)?;
     let walls = walls(&base.plan, &base.axes);
     let is_kept: Vec<bool> = walls.iter().map(|w| is_kept(&base.plan, w)).collect();
     let obstacles = study.initial_obstacles();
@@ -99,7 +105,7 @@ pub fn of_study(
         input: show::input(&base.plan, input),
         spacing_m: study.spacing_m,
         cells: study.lattice.cells.len(),
-        rooms: room_entries(&base.plan, &rooms),
+        rooms: room_entries(&rooms),
         best: BestEntry { single: single.map(|e| e.id), tried: found.tried, legal: found.legal },
         works: entries,
     };
@@ -109,20 +115,30 @@ pub fn of_study(
 }
 
 /// The rooms with what they are for.
-fn rooms(study: &Study, _settings: &Settings, sensed: &Sensed) -> Vec<Room> {
-    let names = names(&study.base, sensed);
-    let areas = sensed.floor.iter().flat_map(|f| f.rooms.clone());
-    let room = |(i, area)| Room {
-        area,
-        name: names.get(i).cloned().flatten().unwrap_or_default(),
-        kind: String::new(),
-        is_private: false,
-        dwelling: None,
+fn rooms(study: &Study, settings: &Settings, sensed: &Sensed) -> Result<Vec<Room>, Error> {
+    let room = |r: crate::understand::rooms::Room| Room {
+        name: r.name.unwrap_or_default(),
+        kind: r.found.kind.name().into(),
+        is_private: r.found.is_private(),
+        dwelling: r.found.dwelling,
+        area: r.area,
     };
-    areas.enumerate().map(room).collect()
+    Ok(rooms_with_kinds(&study.base, sensed, settings)?.into_iter().map(room).collect())
 }
 
-fn room_entries(plan: &Plan, rooms: &[Room]) -> Vec<RoomEntry> {
+/// Says the best works in the report of a round: where no layout helps, this does.
+pub(crate) fn say_best(result: &WorksResult, report: &mut Report) {
+    let place = || Place::file(&result.input.path);
+    for work in result.different(true, SAID) {
+        report.info("work-allowed", place(), format!("{}.", result.line(work)));
+    }
+    for work in result.different(false, SAID_FORBIDDEN) {
+        report.info("work-forbidden", place(), format!("{}.", result.line(work)));
+    }
+    report.info("works-tried", place(), result.proof());
+}
+
+fn room_entries(rooms: &[Room]) -> Vec<RoomEntry> {
     let m = |v: i64| (v as f64 / UM_PER_M * 1e3).round() / 1e3;
     let entry = |(i, room): (usize, &Room)| RoomEntry {
         id: i + 1,
@@ -133,7 +149,6 @@ fn room_entries(plan: &Plan, rooms: &[Room]) -> Vec<RoomEntry> {
         area_m2: (room.area.area_m2 * 100.0).round() / 100.0,
         at: room.area.at.map(m),
     };
-    let _ = plan;
     rooms.iter().enumerate().map(entry).collect()
 }
 

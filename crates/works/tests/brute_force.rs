@@ -102,7 +102,11 @@ fn every_opening_gains_what_it_is_counted_for() {
                 demolished: vec![partition.quad(&plan, stretch)],
                 built: partition.jambs(&plan, stretch).to_vec(),
             };
-            assert_eq!(degrees(&lattice, change.apply(&segments)) - now, all.gained[k], "{width} m at {from}");
+            assert_eq!(
+                degrees(&lattice, change.apply(&segments)) - now,
+                all.gained[k],
+                "{width} m at {from}"
+            );
             different.insert(all.gained[k]);
         }
     }

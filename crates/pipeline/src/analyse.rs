@@ -1,0 +1,94 @@
+//! `analyse`: the present layout measured, of a building every storey.
+
+use crate::job::{Input, Job, Outcome};
+use crate::measure::study::Study;
+use crate::measure::{cells, estimate};
+use crate::storey::{analyse_storey, measure_storey};
+use crate::write::analysis::tell_anew;
+use crate::write::heat_maps::column_pictures;
+use crate::{read, storeys};
+use enfilade_config::Settings;
+use enfilade_overlay::result::AnalysisResult;
+use enfilade_report::{Cancel, Error, Report};
+
+/// `enfilade analyse`: measures the present layout; the files of `analysis/`.
+///
+/// # Errors
+/// [`Error::Input`] when the drawing cannot be read or no cell is left; [`Error::Stopped`].
+pub fn analyse(
+    input: &Input<'_>,
+    settings: &Settings,
+    cancel: &Cancel,
+) -> Result<(Outcome<AnalysisResult>, Study), Error> {
+    analyse_from(input, settings, None, &mut || {}, cancel)
+}
+
+/// [`analyse`] with breadth-first trees of about so many roots: what is told of depth and entropy is estimated.
+/// `understood` is called once the drawing is, before it is measured.
+///
+/// # Errors
+/// As [`analyse`].
+pub fn analyse_from(
+    input: &Input<'_>,
+    settings: &Settings,
+    roots: Option<usize>,
+    understood: &mut (dyn FnMut() + Send),
+    cancel: &Cancel,
+) -> Result<(Outcome<AnalysisResult>, Study), Error> {
+    let settings = &*read::query::on_storey_of_query(input, settings)?;
+    let job = Job { input, settings };
+    let (mut outcome, study) = analyse_storey(job, roots, understood, cancel)?;
+    if roots.is_none() {
+        outcome.result.estimate = estimate::present(&study, settings);
+        tell_anew(&mut outcome)?;
+    }
+    add_storeys(job, &study, &mut outcome, cancel)?;
+    Ok((outcome, study))
+}
+
+/// Measures the other storeys of a building; `true` where there are any.
+pub(crate) fn add_storeys(
+    job: Job<'_>,
+    study: &Study,
+    outcome: &mut Outcome<AnalysisResult>,
+    cancel: &Cancel,
+) -> Result<bool, Error> {
+    let Outcome { result, files, report } = outcome;
+    result.storeys = storeys::analyse(job, study, files, report, cancel)?;
+    if outcome.result.storeys.is_empty() {
+        return Ok(false);
+    }
+    tell_anew(outcome)?;
+    Ok(true)
+}
+
+/// Adds the columns that were asked for to an analysis: their means and a heat map of each.
+///
+/// # Errors
+/// Where a picture cannot be drawn.
+pub fn add_columns(
+    input: &Input<'_>,
+    settings: &Settings,
+    (study, measured): (&Study, &cells::Measured),
+    outcome: &mut Outcome<AnalysisResult>,
+) -> Result<(), Error> {
+    outcome.files.extend(column_pictures(Job { input, settings }, study, measured)?);
+    outcome.result.columns = cells::means(study, measured);
+    tell_anew(outcome)
+}
+
+/// Reads a drawing and measures its present layout as [`analyse_from`] does, and draws nothing: for whoever asks for
+/// values alone. Of a building with several storeys the one that is analysed.
+///
+/// # Errors
+/// As [`analyse`].
+pub fn measure(
+    input: &Input<'_>,
+    settings: &Settings,
+    roots: Option<usize>,
+    understood: &mut (dyn FnMut() + Send),
+    cancel: &Cancel,
+) -> Result<(Study, Report), Error> {
+    let settings = &*read::query::on_storey_of_query(input, settings)?;
+    measure_storey(Job { input, settings }, roots, understood, cancel)
+}

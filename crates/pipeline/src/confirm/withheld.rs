@@ -1,0 +1,151 @@
+//! What the rules of default moves hold back: better layouts that a builder would refuse, and structure that stays.
+
+use std::collections::BTreeMap;
+
+use crate::measure::faults::Faults;
+use crate::measure::worth::Worth;
+use crate::search::brief::Brief;
+use crate::search::judged::{evaluation, gained};
+use enfilade_config::{Allow, Settings};
+use enfilade_report::counted;
+
+/// Where in its bounds each move is tried alone, from the lower to the upper.
+const TRIED_AT: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
+
+/// A rule of default moves that can be given up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Rule {
+    Joints,
+    Crossings,
+    Ways,
+    Things,
+}
+
+impl Rule {
+    /// The one rule that a layout breaks; `None` where it breaks none, or more than one.
+    fn alone(faults: Faults, crosses: bool) -> Option<Self> {
+        let Faults { opened_m, narrowed_m, struck } = faults;
+        let broken = [
+            (opened_m > 0.0, Self::Joints),
+            (crosses, Self::Crossings),
+            (narrowed_m > 0.0, Self::Ways),
+            (struck > 0, Self::Things),
+        ];
+        let mut broken = broken.into_iter().filter(|(is_broken, _)| *is_broken).map(|(_, rule)| rule);
+        broken.next().filter(|_| broken.next().is_none())
+    }
+
+    /// What a move would do that breaks it, and the word that permits that.
+    fn words(self) -> [&'static str; 2] {
+        match self {
+            Self::Joints => ["open a joint", "open-joints"],
+            Self::Crossings => ["run walls through each other", "crossings"],
+            Self::Ways => ["leave a way below 0.9 m", "narrow-ways"],
+            Self::Things => ["run into something that stands there", "things"],
+        }
+    }
+}
+
+/// What of the rules keeps moves from options, with the word that permits it; empty where nothing does.
+pub(crate) fn words(brief: &Brief<'_>) -> String {
+    if !brief.study.base.moves.are_default {
+        return String::new();
+    }
+    told(&held(brief), brief.study.base.plan.bearing.len())
+}
+
+/// How many single moves each rule alone holds back.
+///
+/// Each move is tried alone on the lattice shown. Counted are those that gain what an option must and break just one of
+/// these rules and nothing else: the word that permits it is then enough.
+fn held(brief: &Brief<'_>) -> BTreeMap<Rule, u64> {
+    let Brief { study, settings, objectives, control, .. } = brief;
+    let start = control.start();
+    let alone = |(i, [lo, hi]): (usize, [f64; 2])| {
+        let at = |t: f64| {
+            let mut q = start.clone();
+            q[i] = lo + t * (hi - lo);
+            control.expand(&control.permit(&q))
+        };
+        TRIED_AT.map(at)
+    };
+    let vectors: Vec<Vec<f64>> = control.bounds().into_iter().enumerate().flat_map(alone).collect();
+    let crossing = Settings { allow: Allow { crossings: true, ..settings.allow }, ..(*settings).clone() };
+    let mut held = BTreeMap::new();
+    for worth in study.measure_all(&vectors) {
+        let lawful = Worth { faults: Faults::default(), ..worth.clone() };
+        let violation = |settings: &Settings| evaluation(study, settings, objectives, &lawful).violation;
+        let is_kept_else = violation(&crossing) == 0.0;
+        if !is_kept_else || gained(study, settings, objectives, &worth) < settings.least_gain {
+            continue;
+        }
+        if let Some(rule) = Rule::alone(worth.faults, violation(settings) > 0.0) {
+            *held.entry(rule).or_default() += 1;
+        }
+    }
+    held
+}
+
+/// The same in words, and how many walls of the structure stay.
+fn told(held: &BTreeMap<Rule, u64>, structure: usize) -> String {
+    let mut out = String::new();
+    for (rule, n) in held {
+        let [would, word] = rule.words();
+        out += &format!(
+            " {} that may gain enough would {would}. `--allow {word}` permits that.",
+            counted(*n, "single move")
+        );
+    }
+    if structure > 0 {
+        out += &format!(" Walls of the structure that stay: {structure}. `--allow structure` frees them.");
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_move_counts_for_the_one_rule_that_it_breaks() {
+        let none = Faults::default();
+        let cases = [
+            (Faults { opened_m: 0.1, ..none }, false, Some(Rule::Joints)),
+            (none, true, Some(Rule::Crossings)),
+            (Faults { narrowed_m: 0.1, ..none }, false, Some(Rule::Ways)),
+            (Faults { struck: 2, ..none }, false, Some(Rule::Things)),
+            (none, false, None),
+            (Faults { struck: 1, ..none }, true, None),
+            (Faults { opened_m: 0.1, narrowed_m: 0.1, ..none }, false, None),
+        ];
+        for (faults, crosses, rule) in cases {
+            assert_eq!(Rule::alone(faults, crosses), rule, "{faults:?} {crosses}");
+        }
+    }
+
+    #[test]
+    fn each_rule_is_told_with_its_count_and_the_word_that_permits_it() {
+        let permitted = |rule: Rule, allow: Allow| match rule {
+            Rule::Joints => allow.open_joints,
+            Rule::Crossings => allow.crossings,
+            Rule::Ways => allow.narrow_ways,
+            Rule::Things => allow.things,
+        };
+        for rule in [Rule::Joints, Rule::Crossings, Rule::Ways, Rule::Things] {
+            let [would, word] = rule.words();
+            let allow: Allow = word.parse().unwrap();
+            assert!(permitted(rule, allow) && allow.to_string() == word, "{rule:?}: {allow}");
+            let said = told(&BTreeMap::from([(rule, 7)]), 0);
+            assert!(
+                said.starts_with(" 7 single moves ")
+                    && said.contains(would)
+                    && said.contains(&format!("`--allow {word}`")),
+                "{said}"
+            );
+        }
+        assert_eq!(told(&BTreeMap::new(), 0), "");
+        let said = told(&BTreeMap::from([(Rule::Ways, 1)]), 3);
+        assert!(said.contains(" 1 single move ") && said.contains("stay: 3. `--allow structure`"), "{said}");
+        assert!("structure".parse::<Allow>().unwrap().structure);
+    }
+}

@@ -1,0 +1,87 @@
+//! What a builder would refuse of a layout, whatever it gains.
+
+use crate::understand::understood::Understood;
+use enfilade_config::{Held, Penalty, Settings};
+use enfilade_moves::Layout;
+use enfilade_moves::opened::Joints;
+use enfilade_moves::struck::Struck;
+use enfilade_penalties::{Passage, WallPiece};
+
+/// A way this much narrower is none, metres: turned corners are rounded.
+const NARROWER_M: f64 = 0.001;
+
+/// What is wrong with a layout where nobody said that it may be.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Faults {
+    /// By how much joints that are closed as drawn are open, metres in all.
+    pub opened_m: f64,
+    /// By how much ways are below the width of a passage, or narrower than drawn, metres in all.
+    pub narrowed_m: f64,
+    /// How many things walls are moved into.
+    pub struck: usize,
+}
+
+impl Faults {
+    /// All in one number, 0 where there are none.
+    pub fn sum(&self) -> f64 {
+        self.opened_m + self.narrowed_m + self.struck as f64
+    }
+
+    /// What is wrong, in words.
+    pub fn words(&self) -> Vec<String> {
+        let of = |is_wrong: bool, words: &str| is_wrong.then(|| words.to_owned());
+        [
+            of(self.opened_m > 0.0, "that joints stay closed"),
+            of(self.narrowed_m > 0.0, "that ways stay wide enough"),
+            of(self.struck > 0, "that walls keep off what stands in rooms"),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+}
+
+/// What finds them: nothing where marks say what moves, or where it is allowed.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Guards {
+    joints: Option<Joints>,
+    narrow: Option<Passage>,
+    things: Option<Struck>,
+}
+
+impl Guards {
+    /// For the moves of a drawing, its walls as `pieces`.
+    pub fn new(base: &Understood, pieces: &[WallPiece], settings: &Settings) -> Self {
+        let Understood { plan, moves, fittings, .. } = base;
+        if !moves.are_default || settings.raw {
+            return Self::default();
+        }
+        let allow = settings.allow;
+        let is_stated = settings.limits.iter().any(|l| l.held == Held::Penalty(Penalty::Passage));
+        let drawn = enfilade_penalties::Layout { pieces };
+        let passage = || Passage::new(&drawn, PASSAGE_WIDTH_M * plan.human_scale, None);
+        Self {
+            joints: (!allow.open_joints).then(|| Joints::new(plan, moves)),
+            narrow: (!allow.narrow_ways && !is_stated).then(passage),
+            things: (!allow.things).then(|| Struck::new(plan, moves, fittings)),
+        }
+    }
+
+    /// The faults of a layout, given also as its pieces.
+    pub fn faults(
+        &self,
+        base: &Understood,
+        layout: &Layout,
+        pieces: &enfilade_penalties::Layout<'_>,
+    ) -> Faults {
+        let narrowed_m = self.narrow.as_ref().map_or(0.0, |n| n.measure_m(pieces));
+        Faults {
+            opened_m: self.joints.as_ref().map_or(0.0, |j| j.opened_m(&base.plan, layout)),
+            narrowed_m: if narrowed_m > NARROWER_M { narrowed_m } else { 0.0 },
+            struck: self.things.as_ref().map_or(0, |t| t.by(layout).len()),
+        }
+    }
+}
+
+/// Width below which the passage penalty counts, metres: a door that a wheelchair passes.
+pub const PASSAGE_WIDTH_M: f64 = 0.9;

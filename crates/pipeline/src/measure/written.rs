@@ -1,0 +1,145 @@
+//! A drawing as it was written, read again and measured from scratch.
+
+use std::collections::BTreeMap;
+
+use crate::measure::look::SeenOn;
+use crate::measure::parts::{cover_bodies, cover_wide, pieces_of};
+use crate::measure::seen::Seen;
+use crate::measure::study::Study;
+use crate::measure::worth::Worth;
+use crate::read::read_options;
+use crate::understand::options::plan_options;
+use crate::understand::understood::closed_that_stay;
+use enfilade_cad::curve::control_points;
+use enfilade_cad::drawing::Shape;
+use enfilade_config::Settings;
+use enfilade_engine::Obstacles;
+use enfilade_engine::forest::{Initial, tally};
+use enfilade_engine::geometry::{PointUm, Segment};
+use enfilade_engine::lattice::CellIndex;
+use enfilade_engine::visibility::visibility_graph;
+use enfilade_moves::{Layout, MovedWall};
+use enfilade_plan::curve::trace_like;
+use enfilade_plan::{Plan, PlanOptions, understand};
+use enfilade_report::{Error, Place, Report, counted};
+
+impl Study {
+    /// Measures a drawing that this study wrote of a layout, from its bytes and from scratch, on the study's
+    /// lattice.
+    ///
+    /// # Errors
+    /// What reading returns: the written file must be readable.
+    pub fn measure_written(
+        &self,
+        bytes: &[u8],
+        layout: &Layout,
+        settings: &Settings,
+    ) -> Result<Worth, Error> {
+        let plan = &self.base.plan;
+        let again = self.read_again(bytes, settings)?;
+        let meant = meant_shapes(plan, layout);
+        let mut segments: Vec<Segment> = Vec::new();
+        for (w, wall) in again.walls.iter().enumerate() {
+            for (s, part, _) in pieces_of(&wall.trace, None) {
+                let drawn = &plan.walls[w];
+                let parts = self.base.sight.blocking((w as u32, part), s);
+                segments.extend(parts.flat_map(|s| drawn.with_sides(s)));
+            }
+        }
+        segments.extend(closed_that_stay(&self.base));
+        let mut pieces = self.pieces.clone();
+        for (w, range) in self.base.moves.walls.iter().zip(&self.piece_ranges) {
+            let shape = as_cornered(plan, &again.walls[*w as usize].shape, meant[w]);
+            let trace = trace_like(shape, &plan.walls[*w as usize].trace, &plan.frame);
+            self.place(&mut pieces[range.0..range.1], &trace);
+        }
+        let seen = |scene: &crate::measure::seen::Scene| -> Seen {
+            let obstacles = Obstacles {
+                segments: segments.clone(),
+                blind: self.blind_again(&again, &meant, &scene.cells, &segments),
+            };
+            let graph = visibility_graph(&scene.lattice, &obstacles);
+            let initial = Initial { components: &scene.components, covered: &obstacles.blind };
+            let tally = tally(&scene.lattice, &graph, Some(initial));
+            scene.seen(tally, &obstacles.blind, || obstacles.clone())
+        };
+        let of = |look: &crate::measure::look::Look| SeenOn {
+            main: seen(&look.main),
+            pairs: look.pairs.iter().map(|p| seen(&p.scene)).collect(),
+        };
+        let written = |moved: &MovedWall| MovedWall {
+            trace: again.walls[moved.wall as usize].trace.clone(),
+            ..moved.clone()
+        };
+        let written = Layout { walls: layout.walls.iter().map(written).collect() };
+        Ok(self.worth(self.looks.iter().map(of).collect(), &pieces, &written))
+    }
+
+    fn read_again(&self, bytes: &[u8], settings: &Settings) -> Result<Plan, Error> {
+        let plan = &self.base.plan;
+        let mut report = Report::default();
+        let drawing = enfilade_cad::read(&plan.file, bytes, &read_options(settings), &mut report)?;
+        let picked = Some(plan.picked.clone());
+        let senses = Some(plan.senses.clone());
+        let options = PlanOptions { unit: Some(plan.unit.unit), picked, senses, ..plan_options(settings) };
+        let again = understand(&drawing, &options, &mut report)?;
+        if again.walls.len() != plan.walls.len() {
+            let text = format!(
+                "{} after writing, {} before; nothing was written",
+                counted(again.walls.len() as u64, "wall element"),
+                plan.walls.len()
+            );
+            return Err(Error::input("written-walls", Place::file(&plan.file), text));
+        }
+        Ok(again)
+    }
+
+    /// Vertices that what can move covers or touches in a plan read again.
+    fn blind_again(
+        &self,
+        again: &Plan,
+        meant: &BTreeMap<u32, &Shape>,
+        cells: &CellIndex,
+        segments: &[Segment],
+    ) -> Vec<u32> {
+        let mut out = Vec::new();
+        for w in &self.base.moves.walls {
+            if self.base.plan.walls[*w as usize].is_solid {
+                cells.vertices_in(&again.walls[*w as usize].trace.points, &mut out);
+            }
+        }
+        let shape =
+            |w: u32| Some(as_cornered(&self.base.plan, &again.walls.get(w as usize)?.shape, meant.get(&w)?));
+        cover_bodies(&self.base, &shape, cells, &mut out);
+        for w in &self.base.moves.walls {
+            cover_wide(&self.base, *w, &again.walls[*w as usize].trace, cells, &mut out);
+        }
+        segments.iter().for_each(|s| cells.vertices_on(*s, &mut out));
+        out.sort_unstable();
+        out.dedup();
+        out
+    }
+}
+
+/// Where a layout means every wall to stand.
+fn meant_shapes<'a>(plan: &'a Plan, layout: &'a Layout) -> BTreeMap<u32, &'a Shape> {
+    let mut out: BTreeMap<u32, &Shape> =
+        plan.walls.iter().enumerate().map(|(w, wall)| (w as u32, &wall.shape)).collect();
+    out.extend(layout.walls.iter().map(|w| (w.wall, &w.shape)));
+    out
+}
+
+/// Corners nearer than this are the same one, micrometres.
+const SAME_CORNER_UM: f64 = 1_000.0;
+
+/// A shape as written where its corners are those that were meant, one by one, else the shape that was meant:
+/// the cut through a turned mesh may start at another corner, or have one more on a straight face.
+fn as_cornered<'a>(plan: &Plan, written: &'a Shape, meant: &'a Shape) -> &'a Shape {
+    let corners = |s: &Shape| -> Vec<PointUm> {
+        control_points(s).into_iter().map(|p| plan.frame.um_from_file(p)).collect()
+    };
+    let (a, b) = (corners(written), corners(meant));
+    let near =
+        |(p, q): (&PointUm, &PointUm)| ((p[0] - q[0]) as f64).hypot((p[1] - q[1]) as f64) <= SAME_CORNER_UM;
+    if a.len() == b.len() && a.iter().zip(&b).all(near) { written } else { meant }
+}

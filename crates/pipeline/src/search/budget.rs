@@ -1,0 +1,99 @@
+//! How many layouts a search may measure: by the number stated, by the clock, or until it has converged.
+
+use std::time::Instant;
+
+use crate::measure::study::Study;
+use crate::search::brief::{BATCH, is_bare};
+use crate::search::memory::{Clock, Pace};
+use enfilade_config::Settings;
+use enfilade_search::{Search, Stop};
+
+/// Evaluations of a study whose user names no budget: this many query–vertex pairs in all …
+const PAIRS_BUDGET: f64 = 3.0e9;
+/// … but within these bounds.
+const EVALUATIONS: [f64; 2] = [200.0, 1_000.0];
+
+/// Most layouts of a search that ends when it has converged, where no number is stated.
+const CONVERGING_MAX: u64 = 20_000;
+
+/// The evaluations that a search plans with: the number stated, else by how much measuring one costs; none where it
+/// ends when it has converged.
+pub(crate) fn stated(study: &Study, settings: &Settings) -> Option<u64> {
+    let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
+    let by_cost = || {
+        let all = (PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]);
+        (all * search_share(settings)) as u64
+    };
+    (!settings.until_converged).then(|| settings.evaluations.unwrap_or_else(by_cost))
+}
+
+/// Share of the time, and of the layouts where none is stated, that ranking, stripping and confirming take after the search.
+const AFTER_SEARCH: f64 = 0.35;
+
+fn search_share(settings: &Settings) -> f64 {
+    let elsewhere = SEARCHES as f64 * SHARE;
+    if is_bare(settings) { 1.0 } else { (1.0 - AFTER_SEARCH) / (1.0 + elsewhere) }
+}
+
+/// What a search may still measure.
+pub(crate) struct Allowance<'a> {
+    settings: &'a Settings,
+    /// Seconds of those stated that the search has.
+    seconds: Option<f64>,
+    clock: Clock,
+    /// Evaluations thought to fit into the seconds stated.
+    fit: u64,
+    /// Evaluations that are measured whatever the clock says.
+    least: u64,
+}
+
+impl<'a> Allowance<'a> {
+    /// Of a search that first measures `known` layouts, in a round that began at `started`.
+    pub(crate) fn new(settings: &'a Settings, search: &mut Search, known: u64, started: Instant) -> Self {
+        let seconds = settings.seconds.map(|s| s * search_share(settings));
+        let out = Self { settings, seconds, clock: Clock::new(started), fit: 0, least: known + BATCH as u64 };
+        if settings.until_converged {
+            search.set_most(out.most());
+        }
+        out
+    }
+
+    fn most(&self) -> u64 {
+        self.settings.evaluations.unwrap_or(CONVERGING_MAX)
+    }
+
+    /// Before a batch is asked for: a search whose time or number is spent ends, another plans with what fits. The pace
+    /// of a batch that is remembered counts instead of the clock.
+    pub(crate) fn turn(&mut self, search: &mut Search, remembered: Option<Pace>) {
+        let done = search.progress().evaluations;
+        if let Some(seconds) = self.seconds {
+            if remembered.is_none() && done > 0 && self.clock.spent_secs() >= seconds {
+                search.finish(Stop::Time);
+            }
+            self.fit = remembered.map_or_else(|| self.clock.fit(done, seconds).max(self.least), |p| p.fit);
+            if !self.settings.until_converged {
+                search.set_evaluations(self.settings.evaluations.map_or(self.fit, |most| most.min(self.fit)));
+            }
+        }
+        if self.settings.until_converged && done >= self.most() {
+            search.finish(Stop::Budget);
+        }
+    }
+
+    /// The clock goes on from where a remembered batch left it.
+    pub(crate) fn go_on(&mut self, from: Pace) {
+        self.clock.set(from.spent_secs);
+    }
+
+    /// Where the clock stands; nothing where no seconds are stated, so that nothing kept depends on it.
+    pub(crate) fn pace(&self) -> Pace {
+        let pace = self.settings.seconds.map(|_| Pace { fit: self.fit, spent_secs: self.clock.spent_secs() });
+        pace.unwrap_or_default()
+    }
+}
+
+/// Searches without some of the groups that the best layout gains most by, …
+pub(crate) const SEARCHES: usize = 2;
+
+/// Layouts measured by each, as a share of those that the search measured.
+pub(crate) const SHARE: f64 = 0.1;

@@ -1,0 +1,85 @@
+//! What may move: as a side-car, the file itself or marks say, else by default.
+
+use crate::understand::jambs::keeping_doors;
+use crate::understand::marked::{
+    self, side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves, taken_up,
+};
+use crate::understand::{building, carrying};
+use enfilade_cad::drawing::Drawing;
+use enfilade_config::Settings;
+use enfilade_engine::geometry::Segment;
+use enfilade_engine::interior::Interior;
+use enfilade_moves::{Moves, defaults, say_kept};
+use enfilade_plan::Plan;
+use enfilade_plan::axes::AxisGraph;
+use enfilade_plan::fittings::Fitting;
+use enfilade_plan::graph::Graph;
+use enfilade_report::{Error, Place, Report};
+
+/// What is known of a plan before its moves.
+pub(crate) struct Known<'a> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) graph: &'a Graph,
+    pub(crate) axes: &'a AxisGraph,
+    pub(crate) interior: Option<&'a Interior>,
+    pub(crate) fittings: &'a [Fitting],
+    /// What is drawn between walls.
+    pub(crate) infill: &'a [Segment],
+}
+
+/// Moves of a drawing.
+///
+/// # Errors
+/// [`Error::Usage`] for moves of a side-car that the drawing has no place for.
+pub(crate) fn moves(
+    drawing: &Drawing,
+    known: &Known<'_>,
+    settings: &Settings,
+    report: &mut Report,
+) -> Result<Moves, Error> {
+    let Known { plan, graph, axes, interior, fittings, infill } = *known;
+    let all = (plan, graph, axes, fittings);
+    if !settings.moves.is_empty() {
+        state_passed_over(drawing, plan, &settings.moves, report);
+        let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
+        groups.iter().for_each(|(group, nodes)| say_kept(plan, graph, group, nodes, report));
+        let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
+        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), all, settings, report));
+    }
+    if !drawing.marked.is_empty() && !settings.ignore_move_markers {
+        let stated = building::marked_moves(drawing);
+        let (groups, records) = side_car_groups(drawing, plan, graph, (&stated, false), report)?;
+        if groups.is_empty() {
+            state_unread_marks(drawing.format.marking().moves, plan, report);
+        }
+        let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
+        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), all, settings, report));
+    }
+    if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
+        let moves = Moves::from_markers(plan, graph, axes, report);
+        return Ok(taken_up(moves, plan.markers.groups.iter(), all, settings, report));
+    }
+    if marked::is_any(drawing, plan) && !settings.ignore_move_markers {
+        state_unread_moves(drawing, plan, report);
+        return Ok(Moves::default());
+    }
+    if settings.only_marked {
+        let text = "nothing is marked to move, and only what is marked may: the present layout is measured";
+        report.info("nothing-marked", Place::file(&plan.file), text);
+        return Ok(Moves::default());
+    }
+    match interior {
+        Some(interior) if !settings.ignore_move_markers && settings.reading.as_drawn != Some(true) => {
+            let groups = defaults::groups(plan, graph, axes, (interior, infill, fittings), report);
+            let found = groups.iter().map(|(g, _)| g.clauses.len()).sum();
+            let groups = carrying::whole_moves(plan, graph, axes, fittings, groups, report);
+            let groups = keeping_doors(groups, (plan, graph, axes), report);
+            let groups = carrying::without_structure(plan, graph, axes, groups, report);
+            let mut moves = Moves::new(plan, graph, axes, &groups, report);
+            moves.are_default = true;
+            state_left(&moves, (&groups, found), (plan, graph), report);
+            Ok(moves)
+        }
+        _ => Ok(Moves::default()),
+    }
+}

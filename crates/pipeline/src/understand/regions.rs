@@ -1,0 +1,100 @@
+//! Where people are measured: regions of the settings, and what is said of the interior and of seeds.
+
+use glam::DVec2;
+
+use crate::understand::understood::Understood;
+use enfilade_config::{PairName, Settings};
+use enfilade_engine::Region;
+use enfilade_engine::geometry::PointUm;
+use enfilade_engine::interior::Interior;
+use enfilade_plan::Plan;
+use enfilade_plan::reading::corrections::Finding;
+use enfilade_report::{Error, Place, Report, counted};
+
+/// Adds the regions of the settings to those drawn.
+pub(crate) fn add_regions(plan: &mut Plan, settings: &Settings) -> Result<(), Error> {
+    let wrong = |text: String| {
+        Error::usage("region", Place::default(), format!("[[region]] {text}; nothing was done"))
+    };
+    for table in &settings.regions {
+        let ring: Vec<PointUm> =
+            table.points.iter().map(|p| plan.frame.um_from_file(DVec2::from(*p))).collect();
+        let name = table.pair.as_ref().map(|p| p.parse::<PairName>().map_err(&wrong)).transpose()?;
+        let list = match (table.kind.as_str(), name) {
+            ("query", None) => &mut plan.markers.query,
+            ("reference", None) => &mut plan.markers.reference,
+            ("query", Some(name)) => &mut plan.markers.pair(name.as_str()).query,
+            ("reference", Some(name)) => &mut plan.markers.pair(name.as_str()).reference,
+            ("keep", None) => &mut plan.markers.keep,
+            ("keep", Some(_)) => return Err(wrong("keep: what stays belongs to no pair".into())),
+            (other, _) => return Err(wrong(format!("kind {other:?}: expected query, reference or keep"))),
+        };
+        if ring.len() < 3 {
+            return Err(wrong(format!("{}: found {} points, expected at least 3", table.kind, ring.len())));
+        }
+        list.push(Region::Ring(ring));
+    }
+    Ok(())
+}
+
+/// The interior as the user corrects it; what a correction cannot do goes to the plan's findings and the report.
+pub(crate) fn corrected(
+    interior: Option<Interior>,
+    plan: &mut Plan,
+    settings: &Settings,
+    report: &mut Report,
+) -> Option<Interior> {
+    let (inside, outside) = (&settings.reading.inside, &settings.reading.outside);
+    if inside.is_empty() && outside.is_empty() {
+        return interior;
+    }
+    let mut findings = Vec::new();
+    if !plan.markers.needs_interior() || !settings.seed_points.is_empty() {
+        findings.push(Finding::Overruled);
+    }
+    let um = |list: &[[f64; 2]]| -> Vec<PointUm> {
+        list.iter().map(|p| plan.frame.um_from_file(DVec2::from(*p))).collect()
+    };
+    let corrected = interior.map(|i| i.corrected(&um(inside), &um(outside)));
+    let (interior, open) = match corrected {
+        Some((interior, open)) => (Some(interior), open),
+        None if findings.is_empty() => (None, (0..inside.len()).collect()),
+        None => (None, Vec::new()),
+    };
+    findings.extend(open.into_iter().map(|i| Finding::Open { at: inside[i] }));
+    findings.iter().for_each(|f| f.tell(&plan.file, report));
+    plan.reading.findings.extend(findings);
+    interior
+}
+
+/// Says what was taken as closed where no region is drawn.
+pub(crate) fn state_interior(base: &Understood, settings: &Settings, report: &mut Report) {
+    let Some(interior) = &base.interior else { return };
+    if base.plan.markers.needs_interior() && settings.seed_points.is_empty() && !interior.is_as_drawn() {
+        let wide = match interior.gap_m() {
+            0.0 => "its doors and windows".to_string(),
+            gap => format!("gaps up to {gap:.1} m wide"),
+        };
+        let open = match base.plan.outdoors.len() {
+            0 => String::new(),
+            n => format!(
+                ", {} on layers named after terraces, balconies or yards as outdoors",
+                counted(n as u64, "outline")
+            ),
+        };
+        let text = format!(
+            "no region drawn and the outline is open: {wide} were taken as closed to find the interior{open}; \
+             EF-QUERY or --seed-point says it exactly"
+        );
+        report.info("interior-closed", Place::file(&base.plan.file), text);
+    }
+}
+
+/// Says where a seed has no effect.
+pub(crate) fn state_unused_seeds(plan: &Plan, settings: &Settings, report: &mut Report) {
+    if !settings.seed_points.is_empty() && !plan.markers.needs_interior() {
+        let text = "--seed-point says where the region is if none is drawn, but regions are (EF-QUERY and EF-REFERENCE, \
+                    [[region]] or --query): these are measured, the seed changes nothing";
+        report.warn("seed-unused", Place::file(&plan.file), text);
+    }
+}

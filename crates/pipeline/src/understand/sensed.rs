@@ -1,0 +1,206 @@
+//! What a drawing is taken for, as a whole: its floor and rooms, its openings, and what a person should decide.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use crate::understand::building;
+use crate::understand::understood::Understood;
+use enfilade_cad::drawing::{Drawing, Entity};
+use enfilade_cad::own_layers;
+use enfilade_cad::roles::Role;
+use enfilade_config::Settings;
+use enfilade_engine::geometry::{PointUm, Segment};
+use enfilade_plan::Plan;
+use enfilade_plan::axes::{Opening, OpeningKind};
+use enfilade_plan::floor::{Floor, Gap};
+use enfilade_plan::reading::RoleSense;
+use enfilade_plan::reading::questions::{Doubt, Settled, questions};
+
+/// For every wall of a plan the index of the entity that draws it; filled areas come behind what is drawn.
+pub(crate) fn entities_of_walls(plan: &Plan, drawing: &Drawing) -> Vec<usize> {
+    let lines = drawing.entities.len();
+    let foreign: Vec<usize> = (0..lines)
+        .filter(|i| !own_layers::is_own(&drawing.entities[*i].layer))
+        .chain(lines..lines + drawing.fills.len())
+        .collect();
+    plan.picked.iter().map(|k| foreign.get(*k).copied().unwrap_or(usize::MAX)).collect()
+}
+
+/// What nothing names and is taken as a wall for its looks.
+const UNNAMED_WALL: RoleSense = RoleSense { role: Role::Wall, confidence: 0.6 };
+
+/// The sense of an entity of a drawing; what draws a wall of the plan and is taken for nothing is a wall.
+pub(crate) fn of_entity(plan: &Plan, entity: usize, is_picked: bool) -> RoleSense {
+    match plan.reading.senses.get(entity) {
+        Some(sense) if sense.role != Role::Unknown || !is_picked => *sense,
+        None if !is_picked => RoleSense { role: Role::Unknown, confidence: 0.5 },
+        _ => UNNAMED_WALL,
+    }
+}
+
+/// An opening with what is known of it.
+#[derive(Clone, Debug)]
+pub(crate) struct OpenGap {
+    /// What it is.
+    pub kind: OpeningKind,
+    /// Where it is.
+    pub gap: Gap,
+    /// Clear width, metres of the plan.
+    pub width_m: f64,
+    /// The edge of the axes that it lies in.
+    pub edge: Option<u32>,
+    /// Index of the opening among those of the axes.
+    pub opening: Option<usize>,
+    /// Record of the door or window, where the file calls it so.
+    pub named: Option<usize>,
+}
+
+impl OpenGap {
+    /// Its middle, drawing frame.
+    pub fn middle(&self) -> PointUm {
+        let [a, b] = self.gap.jambs;
+        [i64::midpoint(a[0], b[0]), i64::midpoint(a[1], b[1])]
+    }
+}
+
+/// What a drawing is taken for beyond its walls.
+#[derive(Clone, Debug)]
+pub(crate) struct Sensed {
+    /// Doors, windows, passages.
+    pub gaps: Vec<OpenGap>,
+    /// The floor; `None` where the walls have no outline.
+    pub floor: Option<Floor>,
+    /// How sure it is in all: as sure as the least sure of unit, drawing and walls.
+    pub confidence: f64,
+    /// What a person should decide, least certain first.
+    pub doubts: Vec<Doubt>,
+}
+
+impl Sensed {
+    /// Finds it.
+    pub fn new(base: &Understood, settings: &Settings) -> Self {
+        let plan = &base.plan;
+        let gaps = gaps(base);
+        let mut lines: Vec<Segment> = base.faces();
+        lines.extend(&base.closings);
+        let all: Vec<Gap> = gaps.iter().map(|g| g.gap).collect();
+        let floor = base.interior.as_ref().map(|i| Floor::new(i, &lines, &all, plan.human_scale));
+        let length = |w: usize| -> f64 {
+            let pieces = plan.walls[w].trace.segments();
+            pieces.map(|(_, _, s)| ((s.b[0] - s.a[0]) as f64).hypot((s.b[1] - s.a[1]) as f64)).sum()
+        };
+        let walls = base.entities.iter().enumerate().map(|(w, i)| (of_entity(plan, *i, true), length(w)));
+        let walls: Vec<(RoleSense, f64)> = walls.collect();
+        let settled = Settled {
+            unit: settings.unit.is_some(),
+            view: settings.view.is_some(),
+            walls: !settings.wall_layers.is_empty()
+                || !settings.reading.wall.is_empty()
+                || !settings.reading.not_wall.is_empty()
+                || settings.reading.as_drawn == Some(true),
+            floor: !plan.markers.needs_interior()
+                || !settings.seed_points.is_empty()
+                || !settings.reading.inside.is_empty()
+                || !settings.reading.outside.is_empty(),
+        };
+        let doubts = questions(plan, &base.axes, &walls, floor.as_ref(), settled);
+        let length: f64 = walls.iter().map(|w| w.1).sum();
+        let sure: f64 = walls.iter().map(|(s, of)| f64::from(s.confidence) * of).sum();
+        let views = plan.views.iter().filter(|v| v.is_chosen).map(|v| v.confidence);
+        let walls = (length > 0.0).then(|| sure / length);
+        let confidence = views.chain(walls).fold(plan.reading.unit.confidence, f64::min);
+        Self { gaps, floor, confidence, doubts }
+    }
+}
+
+/// Doors and windows that the file calls so, in the gaps of walls where these show them; and the other gaps.
+fn gaps(base: &Understood) -> Vec<OpenGap> {
+    let (plan, axes) = (&base.plan, &base.axes);
+    let um = |p: DVec2| plan.frame.um_from_plan(p * plan.human_scale);
+    let mut taken = std::collections::BTreeSet::new();
+    let mut out: Vec<OpenGap> = Vec::new();
+    for (k, opening) in axes.openings.iter().enumerate() {
+        let named = base.openings.iter().find(|n| building::is_named(opening, std::slice::from_ref(n), plan));
+        taken.extend(named.map(|n| n.record));
+        let kind = match named {
+            Some(n) if n.is_door => OpeningKind::Door,
+            Some(_) => OpeningKind::Window,
+            None if base.openings.is_empty() => opening.kind,
+            None => OpeningKind::Passage,
+        };
+        let thickness_um = opening.thickness_m * plan.human_scale * 1e6;
+        out.push(OpenGap {
+            kind,
+            gap: Gap { jambs: opening.jambs.map(|j| um(j.at)), thickness_um },
+            width_m: opening.width_m * plan.human_scale,
+            edge: edge_of(base, opening),
+            opening: Some(k),
+            named: named.map(|n| n.record),
+        });
+    }
+    let mut outlines: BTreeMap<usize, (bool, Vec<DVec2>)> = BTreeMap::new();
+    for n in base.openings.iter().filter(|n| !taken.contains(&n.record)) {
+        let points = n.outline.points.iter().map(|p| plan.frame.plan_from_um(*p));
+        outlines.entry(n.record).or_insert((n.is_door, Vec::new())).1.extend(points);
+    }
+    for (record, (is_door, points)) in outlines {
+        let Some((jambs, across)) = along(&points) else { continue };
+        let kind = if is_door { OpeningKind::Door } else { OpeningKind::Window };
+        out.push(OpenGap {
+            kind,
+            gap: Gap { jambs: jambs.map(|p| plan.frame.um_from_plan(p)), thickness_um: across * 1e6 },
+            width_m: jambs[0].distance(jambs[1]),
+            edge: edge_of_host(base, record),
+            opening: None,
+            named: Some(record),
+        });
+    }
+    out
+}
+
+/// The longer axis of the box along the longest side of an outline, and how far the box reaches across.
+fn along(points: &[DVec2]) -> Option<([DVec2; 2], f64)> {
+    let sides = points.windows(2).map(|w| w[1] - w[0]);
+    let direction =
+        sides.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?.try_normalize()?;
+    let turned = points.iter().map(|p| DVec2::new(direction.dot(*p), direction.perp_dot(*p)));
+    let [lo, hi] = enfilade_cad::plane::box_of(turned)?;
+    let back = |q: DVec2| direction * q.x + direction.perp() * q.y;
+    let (middle, size) = (lo.midpoint(hi), hi - lo);
+    let ends = match size.x >= size.y {
+        true => [DVec2::new(lo.x, middle.y), DVec2::new(hi.x, middle.y)],
+        false => [DVec2::new(middle.x, lo.y), DVec2::new(middle.x, hi.y)],
+    };
+    Some((ends.map(back), size.min_element()))
+}
+
+/// The wall in whose line an opening lies, or in whose side.
+fn edge_of(base: &Understood, opening: &Opening) -> Option<u32> {
+    let axes = &base.axes;
+    let [from, to] = opening.jambs.map(|j| j.at);
+    let along = (to - from).normalize_or_zero();
+    let runs = |edge: u32| {
+        let [a, b] = axes.ends(&axes.edges[edge as usize]);
+        (b - a).normalize_or_zero().dot(along).abs()
+    };
+    let of_node = |node: u32| {
+        let edges =
+            (0..axes.edges.len() as u32).filter(move |e| axes.edges[*e as usize].nodes.contains(&node));
+        edges.max_by(|a, b| runs(*a).total_cmp(&runs(*b)))
+    };
+    let ending = opening.jambs.iter().filter_map(|j| of_node(j.node?));
+    ending.max_by(|a, b| runs(*a).total_cmp(&runs(*b))).or_else(|| opening.jambs.iter().find_map(|j| j.edge))
+}
+
+/// The wall that the file says a door or window sits in.
+fn edge_of_host(base: &Understood, record: usize) -> Option<u32> {
+    let host = base.fittings.iter().find(|f| f.source.record == record).and_then(|f| f.host)?;
+    let shows = |e: &enfilade_plan::axes::Edge| e.left.iter().chain(&e.right).any(|f| f.0 == host);
+    base.axes.edges.iter().position(shows).map(|e| e as u32)
+}
+
+/// Length of what an entity draws, drawing units.
+pub(crate) fn length(e: &Entity) -> f64 {
+    enfilade_plan::axes::paths_of(&e.shape, |p| p).iter().map(enfilade_plan::axes::Path::length_m).sum()
+}

@@ -1,0 +1,31 @@
+//! An option made real.
+
+use std::collections::BTreeMap;
+
+use crate::measure::worth::Worth;
+use enfilade_cad::drawing::Edit;
+use enfilade_moves::Layout;
+use enfilade_report::Report;
+
+/// A member made real: its layout, its bytes without our layers, and what these are worth.
+pub(crate) struct Made {
+    pub(crate) layout: Layout,
+    pub(crate) member: enfilade_search::Member,
+    pub(crate) worth: Worth,
+    pub(crate) edits: Vec<Edit>,
+    /// Those of filled areas that go along.
+    pub(crate) following: Vec<enfilade_cad::dxf::Following>,
+    /// What the edits change in the file.
+    pub(crate) changed: enfilade_cad::Changes,
+    /// Ids of the host program, by record.
+    pub(crate) host_ids: BTreeMap<u64, String>,
+    pub(crate) report: Report,
+    pub(crate) name: String,
+}
+
+impl Made {
+    /// What people call it.
+    pub(crate) fn title(&self) -> String {
+        self.name.strip_prefix("candidate-").map_or("best layout".to_owned(), |n| format!("option {n}"))
+    }
+}
