@@ -159,7 +159,9 @@ pub(super) fn by_things(seen: &RoomSeen) -> Option<RoomKindFound> {
         return found(RoomKind::Class, has(T::Board), &[T::Chair, T::Table, T::Desk, T::Board]);
     }
     if has(T::Desk) && !has(T::Wardrobe) {
-        return found(RoomKind::Office, seen.has(T::Desk) > 1 || has(T::Chair), &[T::Desk, T::Chair]);
+        // In a larger room with desks people may be taught.
+        let is_sure = seen.area_m2 <= OFFICE_MAX_M2 && (seen.has(T::Desk) > 1 || has(T::Chair));
+        return found(RoomKind::Office, is_sure, &[T::Desk, T::Chair]);
     }
     if has(T::Table) && seen.has(T::Chair) >= 4 {
         return found(RoomKind::Dining, true, &[T::Table, T::Chair]);
