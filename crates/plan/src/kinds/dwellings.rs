@@ -98,6 +98,7 @@ fn parts(joins: &Joins, without: &BTreeSet<usize>) -> Vec<Option<usize>> {
 /// How many cook and wash in a group.
 #[derive(Clone, Copy, Debug, Default)]
 struct Homely {
+    rooms: usize,
     kitchens: usize,
     baths: usize,
     beds: usize,
@@ -108,13 +109,23 @@ impl Homely {
     fn is_whole(self) -> bool {
         self.kitchens > 0 && self.baths > 0
     }
+
+    /// Whether it is the sleeping storey of a dwelling.
+    fn is_upper(self) -> bool {
+        self.beds > 0 && self.baths > 0 && self.rooms >= UPPER_ROOMS
+    }
 }
+
+/// A part of a floor that no door joins with the rest, and that has no kitchen, is a storey of a dwelling from so many rooms
+/// on.
+const UPPER_ROOMS: usize = 3;
 
 fn homely(found: &[RoomKindFound], of: &[Option<usize>]) -> BTreeMap<usize, Homely> {
     let mut out: BTreeMap<usize, Homely> = BTreeMap::new();
     for (group, room) in of.iter().zip(found) {
         let Some(group) = group else { continue };
         let h = out.entry(*group).or_default();
+        h.rooms += 1;
         match room.kind {
             RoomKind::Kitchen if room.is_sure => h.kitchens += 1,
             RoomKind::Bath | RoomKind::Wc if room.is_sure => h.baths += 1,
@@ -147,6 +158,11 @@ fn by_doors(found: &[RoomKindFound], joins: &Joins) -> Vec<Option<usize>> {
     let best = tries.enumerate().max_by_key(|(k, of)| (whole(of), std::cmp::Reverse(*k))).map(|t| t.1);
     let Some(of) = best else { return vec![None; found.len()] };
     let lives = homely(found, &of);
+    let apart = parts(joins, &stairs);
+    let uppers = homely(found, &apart);
+    if lives.values().all(|h| !h.is_whole()) && uppers.values().filter(|h| h.is_upper()).count() > 1 {
+        return apart.into_iter().map(|g| g.filter(|g| uppers[g].is_upper())).collect();
+    }
     if lives.values().filter(|h| h.is_whole()).count() > 1 {
         return of.into_iter().map(|g| g.filter(|g| lives[g].is_whole())).collect();
     }

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use enfilade_engine::geometry::PointUm;
+use enfilade_cad::plane::distance_to_segment;
+use enfilade_engine::geometry::{PointUm, UM_PER_M};
+use glam::DVec2;
 
 use super::super::axes::OpeningKind;
 use super::super::floor::{Area, Beside};
@@ -86,7 +88,17 @@ fn of_area(room: &Area, human_scale: f64) -> RoomSeen {
     let girth_um: f64 = ring.map(|(a, b)| ((b[0] - a[0]) as f64).hypot((b[1] - a[1]) as f64)).sum();
     let (half, area_m2) = (girth_um / 2e6 / human_scale, room.area_m2 / human_scale.powi(2));
     let root = (half * half - 4.0 * area_m2).max(0.0).sqrt();
-    RoomSeen { area_m2, sides_m: [(half + root) / 2.0, (half - root) / 2.0], ..RoomSeen::default() }
+    // An outline with many corners has a long girth: nowhere narrower than the circle that fits in.
+    let wide = ((half - root) / 2.0).max(2.0 * reach_m(room) / human_scale);
+    RoomSeen { area_m2, sides_m: [(half + root) / 2.0, wide], ..RoomSeen::default() }
+}
+
+/// How far the middle of a room is from its outline, metres of the plan.
+fn reach_m(room: &Area) -> f64 {
+    let point = |p: &PointUm| DVec2::new(p[0] as f64, p[1] as f64) / UM_PER_M;
+    let sides = room.outline.iter().zip(room.outline.iter().cycle().skip(1));
+    let far = sides.map(|(a, b)| distance_to_segment(point(&room.at), [point(a), point(b)]));
+    far.min_by(f64::total_cmp).unwrap_or(0.0)
 }
 
 /// In a larger room a toilet, a tub or a bed says no more what the room is for: walls round it were not read.
@@ -104,6 +116,9 @@ const CLASS_CHAIRS: usize = 14;
 
 /// Closets, metres of a person.
 const CLOSET_M2: f64 = 5.0;
+
+/// A room with so many ways to others is there to be passed.
+const HALL_WAYS: usize = 5;
 
 /// What the things in a room say; `None` where they say nothing.
 pub(super) fn by_things(seen: &RoomSeen) -> Option<RoomKindFound> {
@@ -144,15 +159,20 @@ pub(super) fn by_things(seen: &RoomSeen) -> Option<RoomKindFound> {
         return found(RoomKind::Class, has(T::Board), &[T::Chair, T::Table, T::Desk, T::Board]);
     }
     if has(T::Desk) && !has(T::Wardrobe) {
-        return found(RoomKind::Office, seen.has(T::Desk) > 1 || has(T::Chair), &[T::Desk, T::Chair]);
+        // In a larger room with desks people may be taught.
+        let is_sure = seen.area_m2 <= OFFICE_MAX_M2 && (seen.has(T::Desk) > 1 || has(T::Chair));
+        return found(RoomKind::Office, is_sure, &[T::Desk, T::Chair]);
     }
     if has(T::Table) && seen.has(T::Chair) >= 4 {
         return found(RoomKind::Dining, true, &[T::Table, T::Chair]);
     }
     if has(T::Wardrobe) {
         let kind = if seen.area_m2 <= CLOSET_M2 { RoomKind::Storage } else { RoomKind::Bedroom };
-        let is_way = seen.to.len() >= 3;
-        return found(if is_way { RoomKind::Hall } else { kind }, false, &[T::Wardrobe, T::Desk]);
+        let (kind, is_sure) = match seen.to.len() {
+            0..=2 => (kind, false),
+            ways => (RoomKind::Hall, ways >= HALL_WAYS),
+        };
+        return found(kind, is_sure, &[T::Wardrobe, T::Desk]);
     }
     if has(T::Machine) && !has(T::Sink) {
         return found(RoomKind::Plant, false, &[T::Machine]);
@@ -194,6 +214,21 @@ impl Usage {
     }
 }
 
+impl Usage {
+    /// What furniture means in such a building: a sofa where people work is for those who wait, a table with chairs for those
+    /// who meet.
+    pub fn adapted(&self, found: RoomKindFound) -> RoomKindFound {
+        let is_by_things = matches!(found.evidence.first(), Some(Evidence::Things(..)));
+        let kind = match found.kind {
+            RoomKind::Living => RoomKind::Reception,
+            RoomKind::Dining => RoomKind::Meeting,
+            kind => kind,
+        };
+        let is_other = is_by_things && !self.is_dwelling && kind != found.kind;
+        if is_other { RoomKindFound { kind, is_sure: false, ..found } } else { found }
+    }
+}
+
 /// Closets without a window.
 const STORAGE_MAX_M2: f64 = 3.0;
 
@@ -207,6 +242,9 @@ const LIVING_SHARE: f64 = 1.25;
 /// A way is no wider, and its sides differ by more than this.
 const CORRIDOR_WIDE_M: f64 = 2.6;
 const CORRIDOR_RATIO: f64 = 2.5;
+
+/// A room with the door of the house, without a window.
+const ENTRANCE_MAX_M2: f64 = 10.0;
 
 /// An office is no larger, m².
 const OFFICE_MAX_M2: f64 = 40.0;
@@ -234,9 +272,10 @@ pub(super) fn by_shape(seen: &RoomSeen, usage: &Usage) -> RoomKindFound {
     }
     let is_largest = seen.area_m2 >= LIVING_SHARE * usage.largest_m2[1];
     match (seen.area_m2, ways) {
-        (a, 5..) if a <= BEDROOM_USUAL_M2 => guess(RoomKind::Hall, true),
+        (a, HALL_WAYS..) if a <= BEDROOM_USUAL_M2 => guess(RoomKind::Hall, true),
         (a, 3..) if a <= BEDROOM_USUAL_M2 && (is_dark || ways >= 4) => guess(RoomKind::Hall, false),
         (a, _) if a <= STORAGE_MAX_M2 => guess(RoomKind::Storage, false),
+        (a, 2) if a <= ENTRANCE_MAX_M2 && is_dark && seen.out > 0 => guess(RoomKind::Hall, false),
         (a, 2) if a <= BATH_USUAL_M2 => guess(if is_dark { RoomKind::Hall } else { RoomKind::Bath }, false),
         (a, _) if a <= BATH_USUAL_M2 => guess(RoomKind::Bath, false),
         (a, _) if a > BEDROOM_USUAL_M2 && (is_largest || ways >= 2) => guess(RoomKind::Living, false),

@@ -266,7 +266,8 @@ pub fn kinds_of_rooms(known: &RoomsKnown<'_>) -> Vec<RoomKindFound> {
         (0..known.rooms.len()).map(|room| stated(known, room, &seen[room])).collect();
     let usage = evidence::Usage::of(&found, &seen);
     for (found, room) in found.iter_mut().zip(&seen) {
-        found.get_or_insert_with(|| evidence::by_shape(room, &usage));
+        let known = found.take().map(|f| usage.adapted(f));
+        *found = Some(known.unwrap_or_else(|| evidence::by_shape(room, &usage)));
     }
     let mut found: Vec<RoomKindFound> = found.into_iter().flatten().collect();
     let dwellings = dwellings::dwellings(known, &found);

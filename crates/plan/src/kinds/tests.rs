@@ -187,6 +187,23 @@ fn furniture_says_what_a_room_is_for() {
     assert_eq!(row.kinds()[6], (Bedroom, false));
 }
 
+/// A sofa among offices is for those who wait.
+#[test]
+fn furniture_means_what_the_building_is_for() {
+    use ThingKind as T;
+    let row =
+        Row::of(&[(5.0, "Office 1"), (5.0, "Office 2"), (5.0, "Office 3"), (6.0, ""), (6.0, "")]).with(&[
+            (3, T::Sofa),
+            (3, T::Sofa),
+            (4, T::Table),
+            (4, T::Chair),
+            (4, T::Chair),
+            (4, T::Chair),
+            (4, T::Chair),
+        ]);
+    assert_eq!(row.kinds()[3..], [(Reception, false), (Meeting, false)]);
+}
+
 #[test]
 fn names_overrule_furniture_and_the_user_all() {
     let row = Row::of(&[(3.0, "Office"), (3.0, "Zimmer"), (3.0, "XYZ hall of fame"), (3.0, "")]).with(&[
@@ -244,4 +261,14 @@ fn two_flats_at_a_landing_are_two_dwellings() {
     named.texts[1].push("Wohnung 1".into());
     named.texts[5].push("Wohnung 2".into());
     assert_eq!(dwellings(&named), [None, a, a, a, a, b, b, b, b, None]);
+}
+
+/// The upper storey of a pair of houses: no door joins their halves.
+#[test]
+fn halves_of_a_floor_that_no_door_joins_are_two_dwellings() {
+    let rooms: Vec<(f64, &str)> =
+        ["Hall", "Bedroom", "Bath", "Hall", "Bedroom", "Bath"].iter().map(|n| (3.0, *n)).collect();
+    let row = Row::of(&rooms).joins(OpeningKind::Door, &[[0, 1], [0, 2], [3, 4], [3, 5]]);
+    let dwellings: Vec<_> = row.found(&[]).iter().map(|f| f.dwelling).collect();
+    assert_eq!(dwellings, [Some(0), Some(0), Some(0), Some(1), Some(1), Some(1)]);
 }
