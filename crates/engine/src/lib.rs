@@ -27,6 +27,8 @@ pub mod interior;
 pub mod isovist;
 mod lanes;
 pub mod measures;
+mod offsets;
+mod path_columns;
 pub mod paths;
 mod refusal;
 mod region;

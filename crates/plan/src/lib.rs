@@ -269,7 +269,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         plugs: plugs(&drawing, &slots, &frame),
         doors: doors(&drawing, &slots, &frame),
         slots,
-        bearing: walls_of(bearing::find(&drawing), &entities),
+        bearing: walls_of(drawing.structure(), &entities),
         obstacles,
         outdoors,
         reading,

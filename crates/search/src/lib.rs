@@ -530,3 +530,4 @@ fn check(study: &Study) -> Result<(), Error> {
 
 #[cfg(test)]
 mod tests;
+mod view;
