@@ -6,10 +6,10 @@ use glam::DVec2;
 use sha2::{Digest, Sha256};
 
 use super::ReadOptions;
+use super::building::Building;
 use super::geo::is_upright;
 use super::length::Figures;
-use super::patch::real;
-use super::read::Building;
+use super::number::real;
 use super::rooms::Room;
 use super::step::Arg;
 use super::text::encode;
