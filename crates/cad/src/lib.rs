@@ -18,6 +18,7 @@ pub mod roles;
 pub mod sizes;
 mod splice;
 mod stamp;
+mod step_text;
 mod storeys;
 pub mod units;
 

@@ -12,8 +12,8 @@ use super::length::Figures;
 use super::number::real;
 use super::rooms::Room;
 use super::step::Arg;
-use super::text::encode;
 use crate::drawing::{Addition, Edit, Mark, RigidMotion};
+use crate::step_text::encode;
 use enfilade_report::{Error, Report, counted};
 
 /// Additions lie this far above the floor, so that the floor does not hide them.

@@ -33,7 +33,6 @@ mod rooms;
 mod standing;
 mod step;
 mod structure;
-mod text;
 mod units;
 mod unseen;
 mod zip;
@@ -53,6 +52,7 @@ pub use zip::{is_zip, unzip};
 
 use crate::drawing::{Addition, Drawing, Edit, Unit};
 use crate::splice::{self, Splice};
+pub use crate::step_text::decoded;
 use crate::{SpaceNames, StoreyInfo};
 use enfilade_report::{Error, Place, Report};
 use step::{Fault, Step, line_of};
@@ -490,11 +490,6 @@ pub fn inventory(bytes: &[u8], unit: Option<Unit>) -> Inventory {
         spaces,
         marked: count_marked(&building),
     }
-}
-
-/// A text with the escapes of a STEP file, as somebody copies it out of one.
-pub fn decoded(text: &str) -> String {
-    text::decode(text.as_bytes())
 }
 
 /// `Tag` of products: the element's id in the program that wrote the file; the `GlobalId` where there is none.

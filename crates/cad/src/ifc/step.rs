@@ -278,7 +278,7 @@ impl<'a> Step<'a> {
     /// A text argument, escapes decoded.
     pub fn text(&self, arg: &Arg) -> Option<String> {
         match &arg.value {
-            Value::Text => Some(super::text::decode(&self.bytes[arg.span.start + 1..arg.span.end - 1])),
+            Value::Text => Some(crate::step_text::decode(&self.bytes[arg.span.start + 1..arg.span.end - 1])),
             Value::Typed(_, args) => self.text(args.first()?),
             _ => None,
         }
