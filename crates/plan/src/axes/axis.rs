@@ -11,7 +11,7 @@ pub struct Axis {
     pub span: Span,
     pub thickness: f64,
     pub role: Role,
-    /// Indices of [`Drawn::faces`] on the positive and on the negative side of the carrier.
+    /// Indices of [`super::Drawn::faces`] on the positive and on the negative side of the carrier.
     pub sides: [Vec<u32>; 2],
     pub inner: Vec<u32>,
     /// Runs of the sides: what tells that a face goes on where the other is interrupted.
