@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
-use crate::commands::unsaid;
+use crate::output::unsaid;
 pub use choices::{BackendArg, ColoursArg, LevelArg, MethodArg, ModeArg, ThresholdsArg, UnsureArg};
 use enfilade_config::{JOB_SECS, Partial};
 use enfilade_pipeline::resolution;

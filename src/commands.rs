@@ -10,16 +10,16 @@ mod telling;
 mod watching;
 mod works;
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Instant;
 
 use crate::cli::{
     AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ResolutionArgs, RunArgs, SearchArgs,
 };
 use crate::daemon::{self, Asked, Done, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
+use crate::output::{self, print, say};
 use crate::progress::Display;
 use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, led_beside, round_name};
@@ -36,9 +36,7 @@ use enfilade_pipeline::accept::Origin;
 use enfilade_pipeline::cells::{CellOptions, cells, cells_csv, edges_csv};
 use enfilade_pipeline::geojson::{cells_geojson, edges_geojson};
 use enfilade_pipeline::{Event, Input, Outcome, resolution};
-use enfilade_report::{
-    Cancel, Error, Place, Report, Severity, complain, counted, gathered, one_line, short_numbers,
-};
+use enfilade_report::{Cancel, Error, Place, Report, Severity, complain, counted, gathered};
 use limits::Clock;
 
 /// Runs one command line. The exit code of a finished command is 0, or 1 when something was left out.
@@ -48,9 +46,9 @@ use limits::Clock;
 pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
     outputs::judge(&cli.command)?;
     let code = carry_out(cli.command, cancel)?;
-    match UNSAID.get() {
+    match output::fault() {
         // The word of a command that ended otherwise stands.
-        Some(why) if code <= 1 => Err(unsaid(why)),
+        Some(fault) if code <= 1 => Err(fault),
         _ => Ok(code),
     }
 }
@@ -61,15 +59,6 @@ static KEEPS_BEST: AtomicBool = AtomicBool::new(false);
 /// Whether whoever stops this process should wait until the best so far is written.
 pub fn keeps_best() -> bool {
     KEEPS_BEST.load(Ordering::Relaxed)
-}
-
-/// Why standard output did not take all that was said.
-static UNSAID: OnceLock<String> = OnceLock::new();
-
-/// The error of a standard output that takes nothing, but for a closed pipe, which is the reader's wish.
-pub fn unsaid(why: &str) -> Error {
-    let place = Place::file("standard output");
-    Error::environment("standard-output", place, format!("{why}; what was to be said there is not whole"))
 }
 
 fn carry_out(command: Command, cancel: &Cancel) -> Result<u8, Error> {
@@ -756,21 +745,6 @@ fn tell(common: &Common, report: &Report) {
 
 fn exit_code(report: &Report) -> u8 {
     u8::from(report.is_degraded())
-}
-
-/// One line: line ends in names are shown, not obeyed.
-fn say(line: &str) {
-    print(&format!("{}\n", one_line(&short_numbers(line.trim_end_matches('\n')))));
-}
-
-/// Standard output may be a closed pipe: that is no reason to fail. Anything else is kept for the end.
-fn print(text: &str) {
-    let mut out = std::io::stdout().lock();
-    if let Err(e) = out.write_all(text.as_bytes()).and_then(|()| out.flush())
-        && e.kind() != std::io::ErrorKind::BrokenPipe
-    {
-        let _ = UNSAID.set(e.to_string());
-    }
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ pub mod batch;
 pub mod cli;
 pub mod commands;
 pub mod daemon;
+pub mod output;
 pub mod progress;
 pub mod sample_settings;
 pub mod server;

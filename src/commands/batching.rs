@@ -8,6 +8,7 @@ use std::sync::Arc;
 use crate::batch::{self, Finished, Job};
 use crate::cli::{JobsArgs, RunJobArgs};
 use crate::daemon::{Asked, JobEvent, JobRequest, Share};
+use crate::output::{print, say};
 use crate::progress::Display;
 use crate::store;
 use enfilade_cad::StoreyInfo;
@@ -35,13 +36,13 @@ pub(super) fn jobs(args: &JobsArgs) -> Result<u8, Error> {
         }
     }
     match args.output.as_deref().filter(|o| *o != Path::new("-")) {
-        None => super::print(&lines),
+        None => print(&lines),
         Some(to) => {
             super::write(to, lines.as_bytes())?;
             if !args.common.quiet {
                 let count = lines.lines().count();
                 let jobs = if count == 1 { "job" } else { "jobs" };
-                super::say(&format!("{}: {count} {jobs}", to.display()));
+                say(&format!("{}: {count} {jobs}", to.display()));
             }
         }
     }
@@ -123,7 +124,7 @@ pub(super) fn run_job(args: &RunJobArgs, cancel: &Cancel) -> Result<u8, Error> {
         Ok(finished) => {
             let line = serde_json::to_string(&finished)
                 .map_err(|e| Error::environment("json", Place::default(), e.to_string()))?;
-            super::say(&line);
+            say(&line);
             // A batch system takes any other code for a failure; what was left out stands in the line and the report.
             Ok(0)
         }

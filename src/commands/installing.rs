@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use crate::cli::{self, InstallArgs, OpenArgs, ServiceArgs, ServiceCommand, ShellArg};
+use crate::output::{print, say};
 use crate::server::Door;
 use crate::service::{self, Folders};
 use crate::store::{Disk, SystemDisk};
@@ -36,7 +37,7 @@ pub(super) fn open(args: &OpenArgs) -> Result<u8, Error> {
         return Err(Error::usage("no-page", Place::file(args.folder.display().to_string()), text));
     };
     if args.print {
-        super::say(&door.link()?);
+        say(&door.link()?);
         return Ok(0);
     }
     let (program, first) = BROWSER;
@@ -50,7 +51,7 @@ pub(super) fn open(args: &OpenArgs) -> Result<u8, Error> {
         let text = format!("no browser could be started by {program}; --print says the address");
         return Err(Error::environment("browser", Place::default(), text));
     }
-    super::say(&format!("{} (a browser that shows nothing: --print says the address)", door.address));
+    say(&format!("{} (a browser that shows nothing: --print says the address)", door.address));
     Ok(0)
 }
 
@@ -68,7 +69,7 @@ pub(super) fn service(args: &ServiceArgs) -> Result<u8, Error> {
         ServiceCommand::Status => service::status()?,
         ServiceCommand::Uninstall => service::uninstall()?,
     };
-    super::say(&said);
+    say(&said);
     Ok(0)
 }
 
@@ -88,15 +89,15 @@ fn options_of(args: &InstallArgs) -> Vec<OsString> {
 
 pub(super) fn doctor(folders: &[PathBuf]) -> Result<u8, Error> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    super::say(&format!("enfilade {}", enfilade_config::VERSION));
-    super::say(&format!("cores: {cores}"));
-    super::say(&format!("graphics card: {}", card_apart()));
+    say(&format!("enfilade {}", enfilade_config::VERSION));
+    say(&format!("cores: {cores}"));
+    say(&format!("graphics card: {}", card_apart()));
     let mut is_well = true;
     let mut judge = |what: &str, verdict: Result<String, String>| match verdict {
-        Ok(text) => super::say(&format!("{what}: {text}")),
+        Ok(text) => say(&format!("{what}: {text}")),
         Err(remedy) => {
             is_well = false;
-            super::say(&format!("{what}: PROBLEM: {remedy}"));
+            say(&format!("{what}: PROBLEM: {remedy}"));
         }
     };
     judge("folders of the program", own_folders());
@@ -115,7 +116,7 @@ pub(super) fn doctor(folders: &[PathBuf]) -> Result<u8, Error> {
 
 /// What `doctor` asks of itself: the answer alone.
 pub(super) fn card_alone() -> Result<u8, Error> {
-    super::say(&card());
+    say(&card());
     Ok(0)
 }
 
@@ -262,13 +263,13 @@ fn unreadable(folder: &Path) -> Option<String> {
 }
 
 pub(super) fn completions(shell: ShellArg) -> Result<u8, Error> {
-    super::print(&cli::completions(shell));
+    print(&cli::completions(shell));
     Ok(0)
 }
 
 pub(super) fn man() -> Result<u8, Error> {
     let page = cli::man().map_err(|e| Error::environment("man", Place::default(), e.to_string()))?;
-    super::print(&page);
+    print(&page);
     Ok(0)
 }
 

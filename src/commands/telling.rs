@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::{ask, counted, say};
+use super::{ask, counted};
 use crate::cli::RunArgs;
+use crate::output::say;
 use enfilade_overlay::measure::{plain_name, trimmed};
 use enfilade_overlay::options::{OptionLine, option_lines, told_measures};
 use enfilade_overlay::result::RoundResult;

@@ -7,12 +7,11 @@ use std::time::SystemTime;
 
 use serde_json::Value;
 
-use super::{
-    Which, accept_option, hold, named_folder, output_of, print, read_settings, round, say, settings_for,
-};
+use super::{Which, accept_option, hold, named_folder, output_of, read_settings, round, settings_for};
 use crate::cli::{ProgressArg, StatusArgs, WatchArgs};
 use crate::daemon::child::{self, Limits};
 use crate::daemon::{self, JobEvent, JobRequest, Notice, RunJob, WatchSettings};
+use crate::output::{print, say};
 use crate::server::{Door, Login, Page, Taken};
 use crate::service::Folders;
 use crate::store::{Disk as _, Log, SystemDisk, led_beside};

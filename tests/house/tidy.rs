@@ -2,73 +2,33 @@
 
 #![allow(clippy::expect_used)]
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// Which top-level module may name which others; `*` is all of them.
-const MAY_IMPORT: &[(&str, &[&str])] = &[
-    ("report", &[]),
-    ("config", &["report"]),
-    ("plan", &["report"]),
-    ("formats", &["report", "plan"]),
-    ("moves", &["report", "plan"]),
-    ("penalties", &["report", "plan"]),
-    ("analysis", &["report", "plan"]),
-    ("search", &["report"]),
-    ("overlay", &["report", "plan", "analysis"]),
-    ("watch", &["report", "config"]),
-    ("store", &["report", "config"]),
-    (
-        "pipeline",
-        &[
-            "report",
-            "config",
-            "plan",
-            "formats",
-            "moves",
-            "penalties",
-            "analysis",
-            "search",
-            "overlay",
-            "watch",
-            "store",
-        ],
-    ),
-    ("sample_settings", &[]),
-    ("batch", &["*"]),
-    ("progress", &["*"]),
-    ("commands", &["*"]),
-    ("daemon", &["*"]),
-    ("server", &["*"]),
-    ("service", &["*"]),
-    ("cli", &["*"]),
-    ("lib", &["*"]),
-    ("main", &["*"]),
-];
 
 /// What a drawing names that lies elsewhere is never fetched, and a job speaks to nobody.
 const NETWORK: &str = "only the page speaks to a network, and that is this machine";
 
 /// Words that only one file may say: the word, the file, why.
 const ONLY_IN: &[(&str, &str, &str)] = &[
-    ("clap", "cli.rs", "the command line has one file"),
-    ("notify", "watch.rs", "file events have one file"),
-    ("wgpu", "analysis/gpu.rs", "the graphics card has one file"),
-    ("TcpStream", "server.rs", NETWORK),
-    ("TcpListener", "server.rs", NETWORK),
-    ("UdpSocket", "server.rs", NETWORK),
-    ("fs::write", "store.rs", WRITING),
-    ("fs::rename", "store.rs", WRITING),
-    ("fs::copy", "store.rs", WRITING),
-    ("fs::remove_file", "store.rs", WRITING),
-    ("fs::remove_dir", "store.rs", WRITING),
-    ("fs::remove_dir_all", "store.rs", WRITING),
-    ("fs::create_dir", "store.rs", WRITING),
-    ("fs::create_dir_all", "store.rs", WRITING),
-    ("File::create", "store.rs", WRITING),
-    ("File::create_new", "store.rs", WRITING),
-    ("OpenOptions", "store.rs", WRITING),
-    ("tempfile", "store.rs", WRITING),
+    ("clap", "src/cli.rs", "the command line has one file"),
+    ("notify", "src/watch", "file events have one file"),
+    ("wgpu", "crates/engine/src/gpu.rs", "the graphics card has one file"),
+    ("TcpStream", "src/server", NETWORK),
+    ("TcpListener", "src/server", NETWORK),
+    ("UdpSocket", "src/server", NETWORK),
+    ("fs::write", "src/store", WRITING),
+    ("fs::rename", "src/store", WRITING),
+    ("fs::copy", "src/store", WRITING),
+    ("fs::remove_file", "src/store", WRITING),
+    ("fs::remove_dir", "src/store", WRITING),
+    ("fs::remove_dir_all", "src/store", WRITING),
+    ("fs::create_dir", "src/store", WRITING),
+    ("fs::create_dir_all", "src/store", WRITING),
+    ("File::create", "src/store", WRITING),
+    ("File::create_new", "src/store", WRITING),
+    ("OpenOptions", "src/store", WRITING),
+    ("tempfile", "src/store", WRITING),
 ];
 const WRITING: &str = "only the store writes files";
 
@@ -97,7 +57,8 @@ impl Source {
     fn new(path: String, raw: String) -> Self {
         let code = without_comments_and_strings(&raw);
         let name = path.rsplit('/').next().unwrap_or_default();
-        let is_test = !path.starts_with("src/")
+        let is_test = source_root(&path).is_none()
+            || path.starts_with("crates/fixtures/")
             || path.contains("/tests/")
             || name == "tests.rs"
             || name.ends_with("_tests.rs");
@@ -107,8 +68,7 @@ impl Source {
 
     /// Paths of the modules that this file declares for tests only.
     fn test_modules(&self) -> Vec<String> {
-        let folder = self.path.trim_end_matches(".rs").trim_end_matches("/mod");
-        let folder = if folder == "src/lib" || folder == "src/main" { "src" } else { folder };
+        let folder = module_folder(&self.path);
         let declared = self.code.split("#[cfg(test)]").skip(1).filter_map(|after| {
             let item = &after[..after.find([';', '{'])?];
             let name = item.trim().strip_prefix("mod ").or(item.trim().split_once(" mod ").map(|p| p.1))?;
@@ -117,20 +77,25 @@ impl Source {
         declared.flat_map(|n| [format!("{folder}/{n}.rs"), format!("{folder}/{n}/mod.rs")]).collect()
     }
 
-    /// The path below `src`, if it lies there.
-    fn in_src(&self) -> Option<&str> {
-        self.path.strip_prefix("src/")
-    }
-
-    /// Top-level module the file belongs to.
-    fn module(&self) -> Option<&str> {
-        let below = self.in_src()?;
-        Some(below.split('/').next().unwrap_or(below).trim_end_matches(".rs"))
-    }
-
     fn place(&self, offset: usize) -> String {
         format!("{}:{}", self.path, 1 + self.code[..offset].matches('\n').count())
     }
+}
+
+/// The folder of a crate's sources in which a file lies: `src`, `crates/cad/src`.
+fn source_root(path: &str) -> Option<&str> {
+    if path.starts_with("src/") {
+        return Some("src");
+    }
+    let name = path.strip_prefix("crates/")?.split('/').next()?;
+    let root = path.get(.."crates/".len() + name.len() + "/src".len())?;
+    path[root.len()..].starts_with('/').then_some(root).filter(|r| r.ends_with("/src"))
+}
+
+/// The folder in which the modules lie that a file declares.
+fn module_folder(path: &str) -> &str {
+    let folder = path.trim_end_matches(".rs");
+    ["/mod", "/lib", "/main"].iter().find_map(|end| folder.strip_suffix(end)).unwrap_or(folder)
 }
 
 fn root() -> PathBuf {
@@ -162,7 +127,7 @@ fn relative(path: &Path) -> String {
 
 fn sources() -> Vec<Source> {
     let mut found = vec![];
-    for folder in ["src", "tests", "examples", "benches", "fuzz", "plugins"] {
+    for folder in ["src", "crates", "tests", "examples", "benches", "fuzz", "plugins"] {
         files(&root().join(folder), &[".rs"], &mut found);
     }
     let read = |p: &PathBuf| Source::new(relative(p), fs::read_to_string(p).expect("source"));
@@ -281,53 +246,125 @@ fn words<'a>(code: &'a str, word: &'a str) -> impl Iterator<Item = usize> + 'a {
     })
 }
 
-/// Modules named by `crate::x`, `crate::{x, y}`, with their places.
-fn crate_names(code: &str) -> Vec<(usize, String)> {
+/// Paths of modules and items that begin with `crate` or `super`, from the file that names them: how many modules up
+/// (none: from the crate's own root), and the names that follow.
+fn named_paths(code: &str) -> Vec<(Option<usize>, Vec<String>)> {
     let mut found = vec![];
     for at in words(code, "crate") {
-        let Some(rest) = code[at + "crate".len()..].trim_start().strip_prefix("::") else { continue };
-        let rest = rest.trim_start();
-        let name =
-            |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
-        match rest.strip_prefix('{') {
-            None => found.push((at, name(rest))),
-            Some(group) => {
-                let mut depth = 0;
-                let mut is_start = true;
-                for (i, c) in group.char_indices() {
-                    match c {
-                        '{' => depth += 1,
-                        '}' if depth == 0 => break,
-                        '}' => depth -= 1,
-                        ',' if depth == 0 => is_start = true,
-                        c if is_start && !c.is_whitespace() => {
-                            found.push((at, name(&group[i..])));
-                            is_start = false;
-                        }
-                        _ => {}
-                    }
-                }
-            }
+        follow(&code[at + "crate".len()..], &[], &mut |names| found.push((None, names)));
+    }
+    for at in words(code, "super").filter(|&at| !code[..at].ends_with("super::")) {
+        let mut rest = &code[at + "super".len()..];
+        let mut ups = 1;
+        while let Some(next) = rest.strip_prefix("::super") {
+            (rest, ups) = (next, ups + 1);
         }
+        follow(rest, &[], &mut |names| found.push((Some(ups), names)));
     }
     found
 }
 
-fn import_faults(source: &Source) -> Vec<String> {
-    let Some(module) = source.module() else { return vec![] };
-    let Some((_, allowed)) = MAY_IMPORT.iter().find(|row| row.0 == module) else {
-        return vec![format!("{}: module `{module}` has no row in the import table", source.path)];
+/// Hands out every path that goes on here, with `::name` and `::{name, name::{…}}`.
+fn follow(code: &str, before: &[String], found: &mut dyn FnMut(Vec<String>)) {
+    let Some(rest) = code.trim_start().strip_prefix("::") else { return found(before.to_vec()) };
+    let rest = rest.trim_start();
+    let Some(group) = rest.strip_prefix('{') else {
+        let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        let with = [before, std::slice::from_ref(&name)].concat();
+        return if name.is_empty() {
+            found(before.to_vec())
+        } else {
+            follow(&rest[name.len()..], &with, found)
+        };
     };
-    crate_names(&source.product)
-        .into_iter()
-        .filter(|(_, name)| name != module && MAY_IMPORT.iter().any(|row| row.0 == name))
-        .filter(|(_, name)| !allowed.contains(&"*") && !allowed.contains(&name.as_str()))
-        .map(|(at, name)| format!("{}: `{module}` may not import `{name}`", source.place(at)))
-        .collect()
+    let (mut depth, mut start) = (0, 0);
+    for (i, c) in group.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth > 0 => depth -= 1,
+            ',' | '}' if depth == 0 => {
+                if !group[start..i].trim().is_empty() {
+                    follow(&format!("::{}", group[start..i].trim()), before, found);
+                }
+                start = i + 1;
+                if c == '}' {
+                    return;
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Crates whose files are not yet untied.
+const STILL_TIED: &[&str] = &["crates/pipeline/src"];
+
+/// Circles of imports between files of one crate. A module and what lies inside it are one room: the inner ones may name
+/// what the outer one holds.
+fn circle_faults(sources: &[Source]) -> Vec<String> {
+    let is_own = |s: &&Source| source_root(&s.path).is_some_and(|root| !STILL_TIED.contains(&root));
+    let files: BTreeMap<&str, &Source> = sources
+        .iter()
+        .filter(|s| !s.product.is_empty())
+        .filter(is_own)
+        .map(|s| (s.path.as_str(), s))
+        .collect();
+    let imports: BTreeMap<&str, BTreeSet<&str>> =
+        files.iter().map(|(path, source)| (*path, imports_of(source, &files))).collect();
+    let reach = |from: &str| {
+        let mut reached: BTreeSet<&str> = BTreeSet::new();
+        let mut ahead: Vec<&str> = imports[from].iter().copied().collect();
+        while let Some(next) = ahead.pop() {
+            if reached.insert(next) {
+                ahead.extend(&imports[next]);
+            }
+        }
+        reached
+    };
+    let reached: BTreeMap<&str, BTreeSet<&str>> = files.keys().map(|path| (*path, reach(path))).collect();
+    let in_circle = |path: &&str| reached[path].contains(path);
+    let circles: BTreeSet<Vec<&str>> = files
+        .keys()
+        .copied()
+        .filter(|path| in_circle(path))
+        .map(|path| reached[path].iter().copied().filter(|other| reached[other].contains(path)).collect())
+        .collect();
+    circles.iter().map(|circle| format!("import each other in a circle: {}", circle.join(", "))).collect()
+}
+
+/// Files that a file imports from, but for those inside it and around it.
+fn imports_of<'s>(source: &Source, files: &BTreeMap<&'s str, &'s Source>) -> BTreeSet<&'s str> {
+    let Some(root) = source_root(&source.path) else { return BTreeSet::new() };
+    let own = module_folder(&source.path);
+    let mut out = BTreeSet::new();
+    for (ups, names) in named_paths(&source.product) {
+        let start = match ups {
+            None => root,
+            Some(ups) => {
+                (0..ups).fold(own, |folder, _| folder.rsplit_once('/').map_or(root, |parts| parts.0))
+            }
+        };
+        let mut folder = start.to_owned();
+        let mut file = None;
+        for name in names {
+            folder = format!("{folder}/{name}");
+            let found =
+                ["", "/mod"].iter().find_map(|end| files.get_key_value(format!("{folder}{end}.rs").as_str()));
+            let Some((path, _)) = found else { break };
+            file = Some(*path);
+        }
+        let is_apart = |other: &str| {
+            let other = module_folder(other);
+            let is_within = |a: &str, b: &str| a == b || a.starts_with(&format!("{b}/"));
+            !is_within(own, other) && !is_within(other, own)
+        };
+        out.extend(file.filter(|f| is_apart(f)));
+    }
+    out
 }
 
 fn word_faults(source: &Source) -> Vec<String> {
-    let Some(file) = source.in_src() else { return vec![] };
+    let file = &source.path;
     // A file that has grown into a folder of the same name is still one place.
     let is_home =
         |home: &str| file == home || file.starts_with(&format!("{}/", home.trim_end_matches(".rs")));
@@ -405,8 +442,8 @@ fn assert_none(faults: Vec<String>) {
 }
 
 #[test]
-fn modules_import_only_what_the_table_allows() {
-    assert_none(sources().iter().flat_map(import_faults).collect());
+fn no_circle_of_imports_stands_between_files() {
+    assert_none(circle_faults(&sources()));
 }
 
 #[test]
@@ -493,32 +530,43 @@ mod the_rules_find_faults {
     }
 
     #[test]
-    fn imports() {
-        let faults = |path, raw| import_faults(&source(path, raw)).len();
-        assert_eq!(faults("src/plan/a.rs", "use crate::report::Place;\nuse crate::plan::b;"), 0);
-        assert_eq!(faults("src/plan/a.rs", "use crate::formats::dxf;"), 1);
-        assert_eq!(faults("src/search/a.rs", "use crate::{report::Place, plan::{x, y}, moves};"), 2);
-        assert_eq!(faults("src/search/a.rs", "fn f() { crate :: analysis::g() }"), 1);
-        assert_eq!(faults("src/search/a.rs", "// crate::plan\nconst A: &str = \"crate::plan\";"), 0);
-        assert_eq!(faults("src/search/a.rs", "#[cfg(test)]\nmod tests { use crate::plan; fn f() {} }"), 0);
-        assert_eq!(faults("src/search/tests.rs", "use crate::plan;"), 0);
-        assert_eq!(faults("src/surprise.rs", ""), 1);
+    fn circles() {
+        let faults = |files: &[(&str, &str)]| {
+            circle_faults(&files.iter().map(|(path, raw)| source(path, raw)).collect::<Vec<_>>())
+        };
+        let tied = [("src/a.rs", "use crate::b::{c, d};"), ("src/b.rs", "fn f() { super::a::g() }")];
+        assert_eq!(faults(&tied), ["import each other in a circle: src/a.rs, src/b.rs"]);
+        assert_eq!(
+            faults(&[tied[0], ("src/b.rs", "// crate::a\n#[cfg(test)]\nmod tests { use crate::a; }")]).len(),
+            0
+        );
+        let group = ("crates/x/src/b/mod.rs", "use crate::{c, a::{self, d}};");
+        assert_eq!(faults(&[("crates/x/src/a.rs", "use super::b;"), group]).len(), 1);
+        let inside = ("crates/x/src/a/i.rs", "use super::super::b::e;");
+        assert_eq!(faults(&[("crates/x/src/a.rs", "use super::b;"), group, inside]).len(), 1);
+        // What lies inside a module may name what it holds.
+        assert_eq!(
+            faults(&[("src/a.rs", "mod i;\nuse self::i::x;"), ("src/a/i.rs", "use super::y;")]).len(),
+            0
+        );
+        // Crates are apart.
+        assert_eq!(faults(&[("src/a.rs", "use crate::b;"), ("crates/x/src/b.rs", "use crate::a;")]).len(), 0);
     }
 
     #[test]
     fn words_of_one_file() {
         let faults = |path, raw| word_faults(&source(path, raw)).len();
         assert_eq!(faults("src/cli.rs", "use clap::Parser;"), 0);
-        assert_eq!(faults("src/daemon.rs", "use clap::Parser;"), 1);
+        assert_eq!(faults("crates/cad/src/dxf.rs", "use clap::Parser;"), 1);
         assert_eq!(faults("src/daemon.rs", "let clapped = 1; // clap"), 0);
-        assert_eq!(faults("src/overlay/page.rs", "std::fs::write(a, b)"), 1);
-        assert_eq!(faults("src/overlay/page.rs", "fs::write_all"), 0);
-        assert_eq!(faults("src/overlay/page.rs", "#[cfg(test)]\nfn f() { fs::write(a, b) }"), 0);
+        assert_eq!(faults("crates/overlay/src/page.rs", "std::fs::write(a, b)"), 1);
+        assert_eq!(faults("crates/overlay/src/page.rs", "fs::write_all"), 0);
+        assert_eq!(faults("crates/overlay/src/page.rs", "#[cfg(test)]\nfn f() { fs::write(a, b) }"), 0);
     }
 
     #[test]
     fn forbidden_words() {
-        let faults = |raw| forbidden_faults(&source("src/plan/a.rs", raw)).len();
+        let faults = |raw| forbidden_faults(&source("crates/plan/src/a.rs", raw)).len();
         assert_eq!(faults("fn f() { a.unwrap(); b.expect(\"c\"); todo!() }"), 3);
         assert_eq!(faults("fn f() { a.unwrap_or(1); self.expect(2) } // .unwrap()"), 0);
         assert_eq!(
@@ -535,8 +583,8 @@ mod the_rules_find_faults {
         let below = |folder: &str| ["a", "b"].map(|n| format!("{folder}/{n}.rs"));
         let files =
             |path| modules(path, raw).into_iter().filter(|p| !p.ends_with("mod.rs")).collect::<Vec<_>>();
-        assert_eq!(files("src/plan/mod.rs"), below("src/plan"));
-        assert_eq!(files("src/plan/x.rs"), below("src/plan/x"));
+        assert_eq!(files("crates/plan/src/axes/mod.rs"), below("crates/plan/src/axes"));
+        assert_eq!(files("crates/plan/src/x.rs"), below("crates/plan/src/x"));
         assert_eq!(files("src/lib.rs"), below("src"));
     }
 
@@ -549,17 +597,17 @@ mod the_rules_find_faults {
     #[test]
     fn shapes() {
         let faults = |path: &str, raw: &str| shape_faults(&source(path, raw)).len();
-        assert_eq!(faults("src/plan/a.rs", "//! About.\n"), 0);
-        assert_eq!(faults("src/plan/a.rs", "fn f() {}\n"), 1);
-        assert_eq!(faults("src/plan/utils.rs", "//! About.\n"), 1);
-        assert_eq!(faults("src/utils/a.rs", "//! About.\n"), 1);
+        assert_eq!(faults("crates/plan/src/a.rs", "//! About.\n"), 0);
+        assert_eq!(faults("crates/plan/src/a.rs", "fn f() {}\n"), 1);
+        assert_eq!(faults("crates/plan/src/utils.rs", "//! About.\n"), 1);
+        assert_eq!(faults("crates/utils/src/a.rs", "//! About.\n"), 1);
         assert_eq!(faults("tests/a.rs", &"\n".repeat(LINES_MAX)), 0);
         assert_eq!(faults("tests/a.rs", &"\n".repeat(LINES_MAX + 1)), 1);
     }
 
     #[test]
     fn unsafe_and_limits() {
-        let faults = |raw: &str| unsafe_faults(&source("src/plan/a.rs", raw)).len();
+        let faults = |raw: &str| unsafe_faults(&source("crates/plan/src/a.rs", raw)).len();
         assert_eq!(faults("fn f() {\n    // SAFETY: checked above.\n    unsafe { g() }\n}"), 0);
         assert_eq!(faults("fn f() { unsafe { g() } }"), 1);
         let module = |reason| {
@@ -572,7 +620,7 @@ mod the_rules_find_faults {
         assert_eq!(faults(&module("// Fast.")), 1);
         let raw =
             "pub const SIZE_MAX: u8 = 1;\npub(crate) const MAX_DEPTH: u8 = 1;\nconst OWN_MAX: u8 = 1;\n";
-        assert_eq!(limits(&source("src/plan/a.rs", raw)), ["SIZE_MAX", "MAX_DEPTH"]);
+        assert_eq!(limits(&source("crates/plan/src/a.rs", raw)), ["SIZE_MAX", "MAX_DEPTH"]);
     }
 }
 

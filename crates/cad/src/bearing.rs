@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use super::drawing::Drawing;
 use super::names::folded;
 
 /// Why a wall is part of the structure.
@@ -86,17 +85,6 @@ pub fn by_name(name: &str) -> Option<Bearing> {
         return Some(Bearing::Named);
     }
     has(FIRE).then_some(Bearing::NamedFire).or(has(PARTY).then_some(Bearing::Party))
-}
-
-/// The structure of a drawing by record: what its reader knows, then what its layers say.
-pub fn find(drawing: &Drawing) -> BTreeMap<usize, Bearing> {
-    let mut out = drawing.bearing.clone();
-    for e in &drawing.entities {
-        if let Some(bearing) = by_name(&e.layer) {
-            out.entry(e.source.record).or_insert(bearing);
-        }
-    }
-    out
 }
 
 /// How many walls stay and why, in plain words; `None` where none does.

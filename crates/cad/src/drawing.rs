@@ -9,6 +9,8 @@ use std::collections::BTreeMap;
 
 use glam::{DAffine2, DVec2};
 
+use super::bearing::{Bearing, by_name};
+
 /// A file format a drawing can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
@@ -352,7 +354,7 @@ pub struct Drawing {
     /// Openings that can slide along their walls.
     pub slots: Vec<Slot>,
     /// Records that carry, hold fire up or part dwellings as far as the file says it or shows it.
-    pub bearing: BTreeMap<usize, super::bearing::Bearing>,
+    pub bearing: BTreeMap<usize, Bearing>,
     /// What stands on the floor of a building and is no line of its plan, since the cut passes over it: record and outline.
     pub things: Vec<(usize, Vec<DVec2>)>,
     /// What stands on the floor, with all that the file calls it: sanitary ware, furniture, machines.
@@ -522,6 +524,17 @@ pub fn place_in(file: &str, source: &SourceRef) -> Place {
 }
 
 impl Drawing {
+    /// The structure by record: what the reader knows, then what layers say.
+    pub fn structure(&self) -> BTreeMap<usize, Bearing> {
+        let mut out = self.bearing.clone();
+        for e in &self.entities {
+            if let Some(bearing) = by_name(&e.layer) {
+                out.entry(e.source.record).or_insert(bearing);
+            }
+        }
+        out
+    }
+
     /// A DXF of some entities that says nothing else.
     pub fn of(entities: Vec<Entity>) -> Self {
         Self {

@@ -1,4 +1,25 @@
 //! Exchange formats: one deep module a format, read and patch together, and the choice between them.
+//!
+//! A wall is opened, moved at one end and written; nothing else changes:
+//!
+//! ```
+//! use enfilade_cad::drawing::{Edit, Shape};
+//! use enfilade_cad::{ReadOptions, patch, read};
+//! use enfilade_report::Report;
+//!
+//! let dxf = "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\nWALLS\n10\n0.0\n20\n0.0\n11\n4.0\n21\n0.0\n0\nENDSEC\n0\nEOF\n";
+//! let options = ReadOptions::default();
+//! let drawing = read("room.dxf", dxf.as_bytes(), &options, &mut Report::default())?;
+//!
+//! let wall = &drawing.entities[0];
+//! let Shape::Line { a, mut b } = wall.shape.clone() else { panic!("a line was drawn") };
+//! b.x = 5.5;
+//! let edit = Edit::Shape { record: wall.source.record, shape: Shape::Line { a, b } };
+//! let written = patch("room.dxf", dxf.as_bytes(), &options, &[edit], &[])?;
+//!
+//! assert_eq!(String::from_utf8_lossy(&written), dxf.replace("4.0", "5.5"));
+//! # Ok::<(), enfilade_report::Error>(())
+//! ```
 
 pub mod bearing;
 pub mod curve;
@@ -18,6 +39,7 @@ pub mod roles;
 pub mod sizes;
 mod splice;
 mod stamp;
+mod step_text;
 mod storeys;
 pub mod units;
 

@@ -158,6 +158,60 @@ impl Letters {
     }
 }
 
+/// The layer's name without the prefix of a bound (`xref$0$A-WALL`) or attached (`xref|A-WALL`)
+/// external reference.
+pub fn base_name(layer: &str) -> &str {
+    let after_bar = layer.rsplit('|').next().unwrap_or(layer);
+    match after_bar.rmatch_indices('$').next() {
+        Some((i, _)) if after_bar[..i].contains('$') => &after_bar[i + 1..],
+        _ => after_bar,
+    }
+}
+
+/// The class alone of a layer that readers of buildings make: `IfcWall` of `IfcWall (window at knee height)`.
+pub(super) fn class_name(layer: &str) -> &str {
+    if layer.starts_with("Ifc") { layer.split(" (").next().unwrap_or(layer) } else { layer }
+}
+
+/// The words of a layer's name, lower case: runs of letters, parted where capitals begin.
+pub fn words(name: &str) -> Vec<String> {
+    let mut out = vec![String::new()];
+    let mut last_lower = false;
+    for c in name.chars() {
+        if !c.is_alphabetic() {
+            out.push(String::new());
+        } else {
+            if c.is_uppercase() && last_lower {
+                out.push(String::new());
+            }
+            if let Some(word) = out.last_mut() {
+                word.extend(c.to_lowercase());
+            }
+        }
+        last_lower = c.is_lowercase();
+    }
+    out.retain(|w| !w.is_empty());
+    out
+}
+
+/// Whether a word of a name is a listed one, both lower case. One that begins with `*` may end a longer word, and one of a
+/// script that writes without blanks may stand anywhere in one.
+pub fn is_word(word: &str, listed: &str) -> bool {
+    match listed.strip_prefix('*') {
+        Some(end) => word.ends_with(end),
+        None => word == listed || (is_joined(listed) && word.contains(listed)),
+    }
+}
+
+/// Whether others join on to a word without a blank: Han characters, and kana or Hangul from two letters on.
+pub fn is_joined(word: &str) -> bool {
+    let is_han = |c: char| ('\u{4e00}'..='\u{9fff}').contains(&c);
+    let is_syllable =
+        |c: char| ('\u{3040}'..='\u{30ff}').contains(&c) || ('\u{ac00}'..='\u{d7a3}').contains(&c);
+    word.chars().all(|c| is_han(c) || is_syllable(c))
+        && (word.chars().any(is_han) || word.chars().nth(1).is_some())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 //! Layers of ours: the user's marks, what results are drawn on, and names that were meant to be marks.
 
-use super::layers::base_name;
+use super::names::base_name;
 
 /// Region of query.
 pub const QUERY: &str = "EF-QUERY";

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-use super::layers::{base_name, is_joined, is_word, words};
+use super::names::{base_name, is_joined, is_word, words};
 
 /// What the entities of a layer stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

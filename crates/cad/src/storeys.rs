@@ -1,7 +1,7 @@
 //! Storeys of a building, and which of them is meant by what somebody types.
 
-use super::ifc;
 use crate::names::{Found, Pattern, folded};
+use crate::step_text::decoded;
 use enfilade_report::{Error, Place, Report, counted};
 
 /// A storey of a building.
@@ -89,14 +89,14 @@ pub fn storeys_at(names: &[&str], wanted: &str) -> Vec<usize> {
         number.and_then(|n| n.checked_sub(1)).filter(|i| *i < names.len()).into_iter().collect()
     };
     let exact = all(&|n| n == wanted);
-    let mut ways = [exact, by_name(wanted), by_name(&ifc::decoded(wanted)), number()].into_iter();
+    let mut ways = [exact, by_name(wanted), by_name(&decoded(wanted)), number()].into_iter();
     ways.find(|found| !found.is_empty()).unwrap_or_else(|| alike(names, wanted).hits)
 }
 
 /// The storeys whose names are those wanted but for accents and blanks.
 fn alike(names: &[&str], wanted: &str) -> Found {
     let all: Vec<Vec<&str>> = names.iter().map(|n| vec![*n]).collect();
-    Pattern::name(&ifc::decoded(wanted)).map_or_else(|_| Found::default(), |p| Found::of(&all, &p))
+    Pattern::name(&decoded(wanted)).map_or_else(|_| Found::default(), |p| Found::of(&all, &p))
 }
 
 /// Why no storey is meant by a name, with those that there are; `none` where there are none.

@@ -15,8 +15,8 @@ use super::lanes::Path;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::x86::Avx2;
 use super::lanes::{Portable, ROW, Rows};
+use super::offsets::{length_of, turn};
 use super::paths::Paths;
-use super::walk::{length_of, turn};
 
 /// Ways that differ by less count as equally long, cells: above what single precision adds up to.
 const TIED_CELLS: f32 = 1e-3;

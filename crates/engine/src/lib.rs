@@ -1,6 +1,32 @@
 //! Visibility-graph analysis: the lattice, who sees whom, the breadth-first forest, the measures.
 //!
 //! Works on whole micrometres and cell numbers only; knows no walls, files or optimisers.
+//!
+//! Six cells of a square metre, and a screen between the two of the lower row on the left:
+//!
+//! ```
+//! use enfilade_engine::geometry::Segment;
+//! use enfilade_engine::measures::columns;
+//! use enfilade_engine::visibility::visibility_graph;
+//! use enfilade_engine::{Lattice, Obstacles};
+//!
+//! let cells: Vec<[i32; 2]> = (0..3).flat_map(|column| [[column, 0], [column, 1]]).collect();
+//! let lattice = Lattice {
+//!     spacing_um: 1_000_000,
+//!     origin_um: [0, 0],
+//!     cells,
+//!     query: (0..6).collect(),
+//!     is_reference: vec![true; 6],
+//! };
+//! let screen = Segment { a: [500_000, -500_000], b: [500_000, 500_000] };
+//! let graph = visibility_graph(&lattice, &Obstacles { segments: vec![screen], blind: vec![] });
+//!
+//! // Behind the screen only the cell above is seen; from there it is a step to three, and two to the last.
+//! assert_eq!((graph.degree(0), graph.degree(1)), (1, 4));
+//! let measured = columns(&lattice, &graph, None);
+//! let depth = measured.iter().find(|c| c.name == "Visual Mean Depth").map(|c| c.values[0]);
+//! assert_eq!(depth, Some((1.0 + 3.0 * 2.0 + 3.0) / 5.0));
+//! ```
 
 pub mod lattice;
 
@@ -27,6 +53,8 @@ pub mod interior;
 pub mod isovist;
 mod lanes;
 pub mod measures;
+mod offsets;
+mod path_columns;
 pub mod paths;
 mod refusal;
 mod region;

@@ -2,7 +2,7 @@
 //! open.
 
 use super::bars::Moving;
-use super::joined::{ByRecord, Followed, Follower, direction_of, ends, records, worst};
+use super::followed::{ByRecord, Followed, Follower, direction_of, ends, records, worst};
 use super::mitre::Refusal;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::Editable;

@@ -11,10 +11,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::defaults::{DOOR_WIDTH_M, Neighbours, Piece, SLIDE_M, SLIDE_MIN_M};
 use super::mitre::CROSSING_MIN_RAD;
-use super::partitions::PARTITION_SLIDE_M;
-use super::sliding::{Sliding, upright, whole_mm};
+use super::neighbours::{Neighbours, Piece};
+use super::sizes::{DOOR_WIDTH_M, PARTITION_SLIDE_M, PARTITION_THICKNESS_MAX_M, SLIDE_M, SLIDE_MIN_M};
+use super::sliding::{Sliding, clipped, upright, whole_mm};
 use super::things::{AT_WALL_M, Things};
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Editable, Shape};
@@ -26,9 +26,6 @@ use enfilade_plan::fittings::jambs_of;
 use enfilade_plan::graph::{Graph, Handle};
 use enfilade_plan::obstacles::ObstacleKind;
 use enfilade_plan::structure::{end_handles, face_handles, handle_at};
-
-/// Thickest wall that is a partition; thicker ones carry.
-pub(super) const PARTITION_THICKNESS_MAX_M: f64 = 0.3;
 
 /// A wall that is so many times as thick as the drawing's inner walls mostly are carries too, if it is thicker than
 /// [`CARRYING_MIN_M`].
@@ -732,16 +729,4 @@ impl<'a> Axial<'a> {
         }
         true
     }
-}
-
-/// The lowest and highest y of the part of a segment with x in a range.
-pub(super) fn clipped(p: DVec2, q: DVec2, from: f64, to: f64) -> Option<[f64; 2]> {
-    let (p, q) = if p.x <= q.x { (p, q) } else { (q, p) };
-    if q.x < from || p.x > to || from > to {
-        return None;
-    }
-    let at =
-        |x: f64| if q.x - p.x < 1e-12 { p } else { p.lerp(q, ((x - p.x) / (q.x - p.x)).clamp(0.0, 1.0)) };
-    let (a, b) = if q.x - p.x < 1e-12 { (p, q) } else { (at(from), at(to)) };
-    Some([a.y.min(b.y), a.y.max(b.y)])
 }

@@ -7,6 +7,8 @@ use glam::DVec2;
 use super::axial::{Axial, Stays, told};
 use super::doorways::Doorways;
 use super::furniture::{self, Element};
+use super::neighbours::{Neighbours, Piece, SQUARES_MAX};
+use super::sizes::{DOOR_WIDTH_M, SLIDE_M, SLIDE_MIN_M, TOUCH_M, WALL_THICKNESS_MAX_M};
 use super::sliding::{Sliding, upright, whole_mm};
 use super::things::Things;
 use enfilade_cad::drawing::{Editable, SourceRef};
@@ -28,14 +30,6 @@ pub const SHIFT_M: f64 = 1.0;
 pub const TURN_DEG: f64 = 15.0;
 /// The same in a plan of right angles, where nothing stands askew.
 const RIGHT_DEG: f64 = 90.0;
-/// How far a door gap slides along its wall.
-pub const SLIDE_M: f64 = 0.5;
-/// Widths of a gap that counts as a door.
-pub const DOOR_WIDTH_M: [f64; 2] = [0.6, 2.0];
-/// Wall pieces nearer than this are one element.
-pub const TOUCH_M: f64 = 0.05;
-/// Parallel faces nearer than this are the two sides of one wall.
-pub const WALL_THICKNESS_MAX_M: f64 = 0.6;
 /// How far an element must stay inside the building to count as free-standing.
 const INSIDE_MARGIN_M: f64 = 0.3;
 /// No other wall, door, window or glass is nearer than this to what stands free.
@@ -52,26 +46,10 @@ const COLUMN_MAX_M: f64 = 1.0;
 const CROSSING_COS: f64 = 0.02;
 /// What must remain of a wall beside a sliding door.
 const WALL_REST_M: f64 = 0.1;
-/// A door that could slide less than this stays.
-pub(super) const SLIDE_MIN_M: f64 = 0.1;
 /// Most groups made by default: more than that nobody tells apart, and no small budget finds good layouts.
 pub const GROUPS_MAX: usize = 12;
 /// Most wall pieces looked at pairwise for doors and neighbours.
 pub const PIECES_MAX: usize = 20_000;
-/// Most squares in the boxes of all wall pieces that are looked at for neighbours: beyond, looking takes seconds.
-pub const SQUARES_MAX: f64 = 5e6;
-
-/// A straight piece of a wall with its node ids.
-pub(super) struct Piece {
-    wall: u32,
-    /// Nodes of its ends.
-    pub nodes: [u32; 2],
-    /// One end, metres of a person.
-    pub a: DVec2,
-    /// The other end.
-    pub b: DVec2,
-}
-
 /// Groups for [`super::Moves::new`]: elements, the largest first, walls that slide between others, the
 /// longest first, then doors from left to right. `infill`: what is drawn between walls, drawing frame; a wall near
 /// which such a line ends is no element. `fittings`: the parts of doors and windows, which go with their walls.
@@ -236,56 +214,6 @@ fn pieces(plan: &Plan, graph: &Graph) -> Vec<Piece> {
         }
     }
     out
-}
-
-/// Pieces by place: buckets as large as the largest distance asked for.
-pub(super) struct Neighbours {
-    size: f64,
-    buckets: BTreeMap<[i64; 2], Vec<u32>>,
-}
-
-impl Neighbours {
-    /// Side of a bucket.
-    const SIZE_M: f64 = DOOR_WIDTH_M[1].max(WALL_THICKNESS_MAX_M);
-
-    /// How many buckets the boxes of all pieces cover: what looking at the neighbours of each costs.
-    fn squares(pieces: &[Piece]) -> f64 {
-        let of = |p: &Piece| ((p.b - p.a).abs() / Self::SIZE_M + 1.0).element_product();
-        pieces.iter().map(of).sum()
-    }
-
-    fn new(pieces: &[Piece]) -> Self {
-        let size = Self::SIZE_M;
-        let mut buckets: BTreeMap<[i64; 2], Vec<u32>> = BTreeMap::new();
-        for (i, p) in pieces.iter().enumerate() {
-            let steps = ((p.b - p.a).length() / size).ceil().max(1.0) as usize;
-            for k in 0..=steps {
-                let at = p.a.lerp(p.b, k as f64 / steps as f64);
-                let bucket =
-                    buckets.entry([(at.x / size).floor() as i64, (at.y / size).floor() as i64]).or_default();
-                if bucket.last() != Some(&(i as u32)) {
-                    bucket.push(i as u32);
-                }
-            }
-        }
-        Self { size, buckets }
-    }
-
-    /// Pieces that may come nearer than the bucket size to the box, ascending.
-    pub fn near(&self, lo: DVec2, hi: DVec2) -> Vec<u32> {
-        let mut out: Vec<u32> = self.around(lo, hi).collect();
-        out.sort_unstable();
-        out.dedup();
-        out
-    }
-
-    /// The same in any order, some of them several times.
-    fn around(&self, lo: DVec2, hi: DVec2) -> impl Iterator<Item = u32> + '_ {
-        let cell = |p: DVec2| [(p.x / self.size).floor() as i64, (p.y / self.size).floor() as i64];
-        let (lo, hi) = (cell(lo), cell(hi));
-        let cells = (lo[0] - 1..=hi[0] + 1).flat_map(move |x| (lo[1] - 1..=hi[1] + 1).map(move |y| [x, y]));
-        cells.filter_map(|cell| self.buckets.get(&cell)).flatten().copied()
-    }
 }
 
 struct Union(Vec<u32>);

@@ -8,10 +8,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::axial::clipped;
-use super::defaults::{DOOR_WIDTH_M, SLIDE_MIN_M};
 use super::joined::Goer;
 use super::sides::Side;
+use super::sizes::{DOOR_WIDTH_M, SLIDE_MIN_M};
+use super::sliding::clipped;
 use super::things::{AT_WALL_M, Piece, Things, gap};
 use super::{Layout, Moves};
 use enfilade_cad::curve::control_points;

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::Layout;
-use super::axial::clipped;
 use super::doorways::{Doorway, doors, meet};
+use super::sliding::clipped;
 use enfilade_cad::plane::box_of;
 use enfilade_engine::geometry::PointUm;
 use enfilade_plan::axes::AxisGraph;

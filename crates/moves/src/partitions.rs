@@ -9,9 +9,8 @@ use std::collections::BTreeSet;
 use glam::DVec2;
 
 use super::abutting::Standing;
-use super::axial::PARTITION_THICKNESS_MAX_M;
-use super::defaults::{SLIDE_MIN_M, TOUCH_M};
-use super::joined::{ByRecord, Followed, Follower, direction_of, ends, room_beside};
+use super::followed::{ByRecord, Followed, Follower, direction_of, ends, room_beside};
+use super::sizes::{PARTITION_SLIDE_M, PARTITION_THICKNESS_MAX_M, SLIDE_MIN_M, TOUCH_M};
 use enfilade_cad::plane::box_of;
 use enfilade_engine::Region;
 use enfilade_engine::geometry::{PointUm, Segment, segments_touch};
@@ -19,9 +18,6 @@ use enfilade_engine::interior::Interior;
 use enfilade_plan::Plan;
 use enfilade_plan::graph::Graph;
 use enfilade_plan::markers::{Clause, Group, Kind};
-
-/// How far a partition slides at most.
-pub const PARTITION_SLIDE_M: f64 = 0.6;
 
 /// Steps in which the way of a partition is tried.
 const STEP_M: f64 = 0.1;

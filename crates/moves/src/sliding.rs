@@ -52,3 +52,15 @@ pub(super) fn upright(d: DVec2) -> (DVec2, bool) {
     let is_turned = d.x < -1e-9 || (d.x.abs() <= 1e-9 && d.y < 0.0);
     (if is_turned { -d } else { d }, is_turned)
 }
+
+/// The lowest and highest y of the part of a segment with x in a range.
+pub(super) fn clipped(p: DVec2, q: DVec2, from: f64, to: f64) -> Option<[f64; 2]> {
+    let (p, q) = if p.x <= q.x { (p, q) } else { (q, p) };
+    if q.x < from || p.x > to || from > to {
+        return None;
+    }
+    let at =
+        |x: f64| if q.x - p.x < 1e-12 { p } else { p.lerp(q, ((x - p.x) / (q.x - p.x)).clamp(0.0, 1.0)) };
+    let (a, b) = if q.x - p.x < 1e-12 { (p, q) } else { (at(from), at(to)) };
+    Some([a.y.min(b.y), a.y.max(b.y)])
+}

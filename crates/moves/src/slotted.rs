@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::joined::{REST_M, direction_of};
+use super::followed::{REST_M, direction_of};
 use enfilade_cad::drawing::place_in;
 use enfilade_plan::Plan;
 use enfilade_plan::markers::{Clause, Group};

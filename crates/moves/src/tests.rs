@@ -10,9 +10,9 @@ use glam::DVec2;
 
 mod beside;
 
-use super::axial::PARTITION_THICKNESS_MAX_M;
 use super::control::{Control, Rules};
-use super::defaults::{self, GROUPS_MAX, PIECES_MAX, SHIFT_M, SLIDE_M, WALL_THICKNESS_MAX_M};
+use super::defaults::{self, GROUPS_MAX, PIECES_MAX, SHIFT_M};
+use super::sizes::{PARTITION_THICKNESS_MAX_M, SLIDE_M, WALL_THICKNESS_MAX_M};
 use super::{Layout, MOVE_MIN_M, Moves, NodeGroup};
 use enfilade_cad::bearing::Bearing;
 use enfilade_cad::drawing::{Drawing, Editable, Format, Shape};
@@ -721,7 +721,7 @@ fn walls_that_reach_too_far_have_no_default_moves() {
         d.line(0.0, 20.0, far, 20.0 + far);
         by_default(&d)
     };
-    let near = (defaults::SQUARES_MAX * 0.5).sqrt();
+    let near = (super::neighbours::SQUARES_MAX * 0.5).sqrt();
     assert!(!plan(near).2.parameters.is_empty());
     assert!(plan(near * 10.0).2.parameters.is_empty());
     assert!(plan(1e9).2.parameters.is_empty());

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::axial::clipped;
+use super::sliding::clipped;
 use enfilade_cad::plane::{box_of, distance_to_segment};
 use enfilade_plan::Plan;
 use enfilade_plan::axes::Opening;

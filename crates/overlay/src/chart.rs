@@ -3,8 +3,7 @@
 use super::canvas::{Anchor, Canvas, MIN_SIDE_PX, Pen, size_error};
 use super::font::{Weight, fitted, width_px};
 use super::measure::{short, tick_labels, ticks};
-use super::palette::{Rgb, option_style};
-use super::picture::{GREY, INK, PAPER};
+use super::palette::{GREY, INK, PAPER, Rgb, option_style};
 use enfilade_report::Error;
 
 const GRID: Rgb = [0xe4, 0xe6, 0xea];

@@ -4,10 +4,9 @@
 use super::canvas::{Anchor, Canvas, Pen, path_of};
 use super::font::{Weight, width_px};
 use super::frame::{Frame, Key};
-use super::palette::Rgb;
+use super::palette::{GREY, INK, Rgb};
 use super::picture::{
-    FloorShape, GREY, INK, Look, PlanPicture, RegionKind, Stroke, StrokeKind, draw_alike, draw_region,
-    draw_strokes,
+    FloorShape, Look, PlanPicture, RegionKind, Stroke, StrokeKind, draw_alike, draw_region, draw_strokes,
 };
 use enfilade_report::Error;
 

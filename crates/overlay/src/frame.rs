@@ -3,8 +3,7 @@
 use super::canvas::{Anchor, Canvas, MAX_SIDE_PX, MIN_SIDE_PX, Pen, path_of, size_error};
 use super::font::{Weight, fitted};
 use super::measure::{nice_at_most, number};
-use super::palette::Rgb;
-use super::picture::{GREY, INK, PAPER};
+use super::palette::{GREY, INK, PAPER, Rgb};
 use enfilade_report::{Error, Place};
 
 /// Sheet size for which all sizes below are meant; other sizes scale with it.

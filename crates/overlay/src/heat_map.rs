@@ -4,10 +4,8 @@ use super::canvas::{Anchor, Canvas, Pen};
 use super::font::Weight;
 use super::frame::{Frame, Key};
 use super::measure::{tick_labels, ticks};
-use super::palette::{Palette, Rgb, Scale};
-use super::picture::{
-    Cell, GREY, INK, Look, PlanPicture, RegionKind, StrokeKind, bounds_of, draw_region, draw_strokes,
-};
+use super::palette::{GREY, INK, Palette, Rgb, Scale};
+use super::picture::{Cell, Look, PlanPicture, RegionKind, StrokeKind, bounds_of, draw_region, draw_strokes};
 use enfilade_report::Error;
 
 /// Longest side of the pictures of a round, px.

@@ -10,6 +10,7 @@ pub mod chart;
 pub mod check;
 mod clip;
 pub mod diversity;
+pub mod element;
 mod font;
 mod frame;
 pub mod glossary;

@@ -159,6 +159,15 @@ pub fn hex(rgb: Rgb) -> String {
     format!("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2])
 }
 
+/// Ink of walls.
+pub(super) const INK: Rgb = [0x16, 0x18, 0x1c];
+
+/// Ink of secondary text and thin lines.
+pub(super) const GREY: Rgb = [0x6a, 0x6f, 0x78];
+
+/// Paper.
+pub(super) const PAPER: Rgb = [0xff, 0xff, 0xff];
+
 #[cfg(test)]
 mod tests {
     use super::*;

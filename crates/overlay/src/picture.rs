@@ -3,19 +3,7 @@
 use super::canvas::{Canvas, Pen, path_of};
 use super::clip;
 use super::frame::Frame;
-use super::palette::Rgb;
-
-pub use super::check::check_png;
-pub use super::diversity::diversity_png;
-pub use super::heat_map::{HeatMap, heat_map_png};
-pub use super::palette::{Palette, Scale};
-
-/// Ink of walls.
-pub(super) const INK: Rgb = [0x16, 0x18, 0x1c];
-/// Ink of secondary text and thin lines.
-pub(super) const GREY: Rgb = [0x6a, 0x6f, 0x78];
-/// Paper.
-pub(super) const PAPER: Rgb = [0xff, 0xff, 0xff];
+use super::palette::{PAPER, Rgb};
 
 /// What a stroke stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

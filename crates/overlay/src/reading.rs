@@ -5,7 +5,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::result::ElementRef;
+use super::element::ElementRef;
 use enfilade_report::counted;
 
 /// What a drawing is taken for.

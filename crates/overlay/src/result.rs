@@ -13,6 +13,7 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, Value};
 
+pub use super::element::ElementRef;
 use super::measure::counts_cells;
 
 /// `schema` of a [`RoundResult`].
@@ -124,33 +125,6 @@ pub struct Layout {
     pub mean: Numbers,
     /// Penalties by name: `clearance_m2`, `wall_length_m`, `disconnection`, …
     pub penalty: Numbers,
-}
-
-/// Which element of the file is meant, in the terms of its format.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum ElementRef {
-    /// DXF.
-    Dxf {
-        /// Handle as written, upper case; `null` in files without handles.
-        handle: Option<String>,
-        /// Which group-0 record of the file, from 0.
-        record: u64,
-    },
-    /// IFC.
-    Ifc {
-        /// `GlobalId`.
-        global_id: String,
-        /// Line number `#id`.
-        id: u64,
-    },
-    /// glTF.
-    Gltf {
-        /// JSON pointer.
-        path: String,
-    },
-    /// An element of several records (a DXF POLYLINE and its VERTEX records).
-    Several(Vec<ElementRef>),
 }
 
 /// Along what a move moves.

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::canvas::Pen;
 use super::frame::Frame;
 use super::heat_map::{HeatMap, draw_foot};
-use super::palette::{Palette, Rgb, Scale};
-use super::picture::{GREY, INK, Look, PlanPicture, StrokeKind, draw_strokes};
+use super::palette::{GREY, INK, Palette, Rgb, Scale};
+use super::picture::{Look, PlanPicture, StrokeKind, draw_strokes};
 use super::result::{ElementRef, Input, Interval};
 use enfilade_report::Error;
 

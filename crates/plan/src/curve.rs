@@ -26,7 +26,7 @@ const CHORDS_PER_TURN_MIN: usize = 16;
 pub struct Trace {
     /// Points in order, drawing frame, whole micrometres; a closed trace does not repeat the first.
     pub points: Vec<PointUm>,
-    /// For each point the control point it is ([`control_points`] order), if it is one.
+    /// For each point the control point it is ([`enfilade_cad::curve::control_points`] order), if it is one.
     pub control: Vec<Option<u32>>,
     /// Whether the last point is joined with the first.
     pub is_closed: bool,

@@ -112,6 +112,16 @@ impl Frame {
     }
 }
 
+/// Scales at which plans are printed: how many metres one metre on paper stands for, in metric and in imperial countries.
+const SCALES_METRIC: [f64; 9] = [10.0, 20.0, 25.0, 50.0, 100.0, 200.0, 250.0, 500.0, 1000.0];
+
+const SCALES_IMPERIAL: [f64; 9] = [12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 96.0, 128.0, 192.0];
+
+/// The scales at which plans in this unit are printed.
+pub(super) fn scales(unit: Unit) -> [f64; 9] {
+    if matches!(unit.name, "in" | "ft") { SCALES_IMPERIAL } else { SCALES_METRIC }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,6 +2,28 @@
 //!
 //! Whoever holds a [`Plan`] need not think any more about: units, layers, blocks, codes of a format,
 //! coordinates far from zero, curves (they are traced to straight pieces), or shapes of no size.
+//!
+//! A room of four walls, drawn in metres:
+//!
+//! ```
+//! use enfilade_plan::{PlanOptions, understand};
+//! use enfilade_report::Report;
+//!
+//! let corners = [[0, 0], [4, 0], [4, 3], [0, 3], [0, 0]];
+//! let line = |ends: &[[i32; 2]]| {
+//!     let [[ax, ay], [bx, by]] = [ends[0], ends[1]];
+//!     format!("0\nLINE\n8\nWALLS\n10\n{ax}\n20\n{ay}\n11\n{bx}\n21\n{by}\n")
+//! };
+//! let walls: String = corners.windows(2).map(line).collect();
+//! let header = "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n6\n0\nENDSEC\n";
+//! let dxf = format!("{header}0\nSECTION\n2\nENTITIES\n{walls}0\nENDSEC\n0\nEOF\n");
+//!
+//! let mut report = Report::default();
+//! let drawing = enfilade_cad::read("room.dxf", dxf.as_bytes(), &Default::default(), &mut report)?;
+//! let plan = understand(&drawing, &PlanOptions::default(), &mut report)?;
+//! assert_eq!(plan.walls.len(), 4);
+//! # Ok::<(), enfilade_report::Error>(())
+//! ```
 
 pub mod axes;
 pub mod by_place;
@@ -270,7 +292,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         plugs: plugs(&drawing, &slots, &frame),
         doors: doors(&drawing, &slots, &frame),
         slots,
-        bearing: walls_of(bearing::find(&drawing), &entities),
+        bearing: walls_of(drawing.structure(), &entities),
         obstacles,
         outdoors,
         reading,

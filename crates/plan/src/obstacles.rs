@@ -12,7 +12,7 @@ use super::parallels::Straight;
 use super::paving;
 use super::reading::Reading;
 use enfilade_cad::drawing::{Drawing, Entity, Format, Shape};
-use enfilade_cad::layers::words;
+use enfilade_cad::names::words;
 use enfilade_cad::own_layers;
 use enfilade_cad::plane::box_of;
 use enfilade_cad::roles::Role;

@@ -4,7 +4,7 @@ use super::curve;
 use super::frame::Frame;
 use super::hidden::Hidden;
 use enfilade_cad::drawing::{Drawing, Entity, Format, Shape};
-use enfilade_cad::layers::{base_name, is_word, words};
+use enfilade_cad::names::{base_name, is_word, words};
 use enfilade_engine::geometry::{PointUm, UM_PER_M};
 
 /// Words of layers that hold outlines of open air, lower case; those that begin with `*` may end a longer word.

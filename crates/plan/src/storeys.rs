@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::parallels::pieces;
 use enfilade_cad::drawing::{Drawing, Entity};
-use enfilade_cad::layers::base_name;
+use enfilade_cad::names::base_name;
 use enfilade_cad::plane::box_of;
 use enfilade_report::{Place, Report};
 

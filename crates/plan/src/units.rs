@@ -1,7 +1,7 @@
 //! Which unit a drawing is in: the user's word, heights of a building, else all evidence ([`super::reading::unit`]); and the
 //! scale of a plan that is smaller than a building.
 
-use super::frame::{BUILT_SIZE_M, SMALL_PLAN_M, UnitChoice, human_scale, two_digits};
+use super::frame::{BUILT_SIZE_M, SMALL_PLAN_M, UnitChoice, human_scale, scales, two_digits};
 use super::reading::UnitSense;
 use super::reading::clues::Clues;
 use super::reading::unit::{self, Said, sense, sense_of, weigh};
@@ -19,10 +19,6 @@ const THIN_M: f64 = 0.03;
 
 /// The thickness that walls drawn at another scale are taken to have.
 const USUAL_WALL_M: f64 = 0.15;
-
-/// Scales at which plans are printed: how many metres one metre on paper stands for, in metric and in imperial countries.
-const SCALES_METRIC: [f64; 9] = [10.0, 20.0, 25.0, 50.0, 100.0, 200.0, 250.0, 500.0, 1000.0];
-const SCALES_IMPERIAL: [f64; 9] = [12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 96.0, 128.0, 192.0];
 
 /// The width that a leaf is taken to have where the scale is found by it.
 const USUAL_LEAF_M: f64 = 0.9;
@@ -62,11 +58,6 @@ pub fn person_scale(drawing: &Drawing, walls: &[&Entity], extent_units: f64, uni
 /// Whether plans drawn in this unit are printed at this scale.
 pub(super) fn is_printed(unit: Unit, scale: f64) -> bool {
     unit.name != "units" && scales(unit).contains(&scale)
-}
-
-/// The scales at which plans in this unit are printed.
-pub(super) fn scales(unit: Unit) -> [f64; 9] {
-    if matches!(unit.name, "in" | "ft") { SCALES_IMPERIAL } else { SCALES_METRIC }
 }
 
 fn is_in(value: f64, range: [f64; 2]) -> bool {

@@ -299,3 +299,16 @@ impl Limits {
         median.min(top)
     }
 }
+
+/// Cost of breaking a hard limit, in ranges: more than any objective can make up for.
+const HARD_COST: f64 = 1e3;
+
+/// `g_h(p, T)` of an archive point: squared misses of the thresholds, each in its own range, and
+/// the cost of broken hard limits.
+pub(super) fn violation(archive: &Archive, limits: &Limits, i: usize) -> f64 {
+    let hard = archive.hard(i);
+    if hard > 0.0 {
+        return if hard.is_finite() { HARD_COST * (1.0 + hard) } else { f64::INFINITY };
+    }
+    limits.misses(archive.gains(i)).map(|miss| miss * miss).sum()
+}

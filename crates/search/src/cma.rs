@@ -275,6 +275,9 @@ fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
+/// First standard deviation, in widths of the unit cube. The paper publishes none.
+pub(super) const FIRST_SIGMA: f64 = 0.3;
+
 #[cfg(test)]
 mod tests {
     use super::*;

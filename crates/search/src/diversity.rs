@@ -1,8 +1,7 @@
 //! Algorithm 2 as published: members leave `p_0` one after another, each with a CMA state of its own.
 
-use super::archive::{Archive, Limits};
-use super::cma::{Cma, Domain};
-use super::hierarchy::{FIRST_SIGMA, violation};
+use super::archive::{Archive, Limits, violation};
+use super::cma::{Cma, Domain, FIRST_SIGMA};
 use super::space::square_distance;
 
 /// Weight w of the distances in `div`, per unit of √n. The paper publishes no value; with this one a

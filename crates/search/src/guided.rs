@@ -8,11 +8,12 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::archive::{Archive, Limits};
-use super::climb::{Climb, Step, View};
+use super::climb::{Climb, Step};
 use super::members::min_distance;
 use super::models::Models;
 use super::spread::Spread;
 use super::tuning::Tuning;
+use super::view::View;
 use super::{Mode, Objective, Study};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,26 +1,11 @@
 //! Algorithm 1 as published: objective by objective with CMA-ES from `p_0`, each under the soft
 //! thresholds of those before it; then Algorithm 2.
 
-use super::archive::{Archive, Limits};
-use super::cma::{Cma, Domain};
+use super::archive::{Archive, Limits, violation};
+use super::cma::{Cma, Domain, FIRST_SIGMA};
 use super::diversity::RoundRobin;
 use super::members::min_distance;
 use super::{Mode, Objective, Study};
-
-/// First standard deviation, in widths of the unit cube. The paper publishes none.
-pub(super) const FIRST_SIGMA: f64 = 0.3;
-/// Cost of breaking a hard limit, in ranges: more than any objective can make up for.
-const HARD_COST: f64 = 1e3;
-
-/// `g_h(p, T)` of an archive point: squared misses of the thresholds, each in its own range, and
-/// the cost of broken hard limits.
-pub(super) fn violation(archive: &Archive, limits: &Limits, i: usize) -> f64 {
-    let hard = archive.hard(i);
-    if hard > 0.0 {
-        return if hard.is_finite() { HARD_COST * (1.0 + hard) } else { f64::INFINITY };
-    }
-    limits.misses(archive.gains(i)).map(|miss| miss * miss).sum()
-}
 
 /// The objective being optimised.
 struct Stage<'a> {

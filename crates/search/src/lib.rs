@@ -4,6 +4,46 @@
 //! the same order; the search never calls user code. The same study and the same evaluations give the
 //! same asks, bit for bit: randomness comes from the seed, and nothing here uses threads, clocks or
 //! hashed order.
+//!
+//! The highest point of a hill, by asking and telling:
+//!
+//! ```
+//! use enfilade_search::{Evaluation, Method, Mode, Objective, Search, Sense, Study};
+//!
+//! let height = |p: &[f64]| 4.0 - (p[0] - 1.0).powi(2) - (p[1] + 0.5).powi(2);
+//! let objective = Objective {
+//!     name: "height".into(),
+//!     sense: Sense::Maximise,
+//!     threshold: 0.9,
+//!     is_score: false,
+//!     is_penalty: false,
+//! };
+//! let mut search = Search::new(Study {
+//!     bounds: vec![[-2.0, 2.0]; 2],
+//!     start: vec![0.0, 0.0],
+//!     objectives: vec![objective],
+//!     members: 1,
+//!     d_min: 0.25,
+//!     least_share: 1.0,
+//!     seed: 1,
+//!     evaluations: Some(200),
+//!     method: Method::Default,
+//!     mode: Mode::Best,
+//!     batch: 8,
+//!     seeds: vec![],
+//!     pinned: 0,
+//! })?;
+//! loop {
+//!     let asked = search.ask();
+//!     if asked.is_empty() {
+//!         break;
+//!     }
+//!     let worth = |p: &Vec<f64>| Evaluation { values: vec![height(p)], ..Evaluation::default() };
+//!     search.tell(&asked.iter().map(worth).collect::<Vec<_>>());
+//! }
+//! assert!(search.outcome().best.values[0] > 3.9);
+//! # Ok::<(), enfilade_report::Error>(())
+//! ```
 
 mod archive;
 mod climb;
@@ -502,3 +542,4 @@ fn check(study: &Study) -> Result<(), Error> {
 
 #[cfg(test)]
 mod tests;
+mod view;

@@ -1,8 +1,8 @@
 //! The surrogates of a search, one for each neighbourhood that is being looked at.
 
 use super::archive::Archive;
-use super::climb::View;
 use super::surrogate::Surrogate;
+use super::view::View;
 
 /// A few surrogates, used again as long as they know the place asked for.
 #[derive(Clone, Debug)]

@@ -7,11 +7,12 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::archive::Limits;
-use super::climb::{View, crossover, reset, step_sparsely};
+use super::climb::{crossover, reset, step_sparsely};
 use super::members::{closest_pair, improve_by_swaps, key, key_above, select, soft_minimum};
 use super::models::Models;
 use super::space::square_distance;
 use super::surrogate::Surrogate;
+use super::view::View;
 
 /// Steps of the Gaussian proposals, in widths of the unit cube.
 const STEPS: [f64; 3] = [0.03, 0.1, 0.2];

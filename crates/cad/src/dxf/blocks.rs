@@ -8,10 +8,10 @@ use glam::{DAffine2, DVec2};
 use super::curves::{mapped, similarity};
 use super::entity::{Body, Insert, Item};
 use super::fields::Fields;
-use super::opened::{How, Sheet, encloses, is_regular, own_editable};
 use super::reader::Reader;
+use super::sheet::{How, Sheet, encloses, is_regular, own_editable, pieces};
 use crate::curve::control_points;
-use crate::drawing::{Editable, Entity, Origin, Shape, Text};
+use crate::drawing::{Editable, Entity, Origin, Text};
 use enfilade_report::{Error, Severity};
 
 /// Flags (70) of a block that is nobody's own to change: anonymous, or of an external file.
@@ -61,14 +61,6 @@ pub(super) struct Blocks {
     sheet: Sheet,
     /// Blocks of which it was said that several INSERTs show them.
     told: Vec<usize>,
-}
-
-/// Pieces of a shape, as the expansion budget counts them.
-pub(super) fn pieces(shape: &Shape) -> u64 {
-    match shape {
-        Shape::Polyline { vertices, .. } => vertices.len() as u64,
-        _ => 1,
-    }
 }
 
 impl Blocks {

@@ -29,6 +29,7 @@ mod patch;
 mod poche;
 mod read;
 mod reader;
+mod sheet;
 mod strip;
 mod text;
 mod tokens;

@@ -6,126 +6,12 @@ use super::blocks::{Blocks, copies, placement};
 use super::curves::{mapped, similarity};
 use super::entity::{Body, Item};
 use super::reader::Reader;
+use super::sheet::is_regular;
 use crate::curve::control_points;
-use crate::drawing::{Editable, RigidMotion, Shape, Vertex};
-use crate::own_layers::MOVE;
-use crate::own_layers::bare;
-use crate::plane::{box_of, is_inside_ring};
-
-/// What is at most this long beside all that model space shows, and draws less than [`THING_PIECES`] of it, is a thing:
-/// a door, a column, a cupboard. It moves as a whole.
-const THING_SIZE: f64 = 0.25;
-
-/// See [`THING_SIZE`]: several houses on one sheet are shorter, but each draws much of it.
-const THING_PIECES: f64 = 0.125;
-
-/// Most by which INSERTs may stretch a block more one way than another: beyond it nothing comes back exactly.
-const STRETCH_MAX: f64 = 1e4;
-
-/// Coordinates may be this many times as large as what a block draws: beyond it rounding shows.
-const AWAY_MAX: f64 = 1e7;
+use crate::drawing::{RigidMotion, Shape, Vertex};
 
 /// Differences below this many rounding steps of the largest coordinate are what going there and back leaves.
 const BACK_STEPS: f64 = 32.0;
-
-/// How what an INSERT shows is written back.
-#[derive(Clone, Debug)]
-pub(super) enum How<'i> {
-    /// Each entity in the definition of its block.
-    Own,
-    /// All of it with an INSERT.
-    With {
-        /// The INSERT.
-        insert: &'i Item,
-        /// Whether it moves and turns.
-        editable: Editable,
-    },
-}
-
-/// What model space shows in all.
-#[derive(Default)]
-pub(super) struct Sheet {
-    /// Drawn pieces.
-    pub pieces: u64,
-    extent: Option<[DVec2; 2]>,
-    /// Outlines of the user's moves.
-    moves: Vec<Shape>,
-}
-
-impl Sheet {
-    /// Adds a shape that stands in model space itself.
-    pub fn add_drawn(&mut self, layer: &str, shape: &Shape) {
-        if bare(layer).eq_ignore_ascii_case(MOVE) {
-            self.moves.push(shape.clone());
-            return;
-        }
-        self.pieces = self.pieces.saturating_add(super::blocks::pieces(shape));
-        control_points(shape).into_iter().for_each(|p| self.add_corner(p));
-    }
-
-    /// Adds a corner of what an INSERT shows.
-    pub fn add_corner(&mut self, p: DVec2) {
-        self.extent = Some(self.extent.map_or([p, p], |[lo, hi]| [lo.min(p), hi.max(p)]));
-    }
-
-    /// The outlines of the user's moves: what one encloses wholly moves as a whole.
-    pub fn moves(&self) -> impl Iterator<Item = &Shape> {
-        self.moves.iter()
-    }
-
-    /// Whether what an INSERT shows in a box is small beside the rest. So is taken what lies so far from zero that it
-    /// would not come back exactly.
-    pub fn is_thing(&self, corners: &[DVec2], pieces: u64) -> bool {
-        let draws_little = (pieces as f64) < THING_PIECES * self.pieces as f64;
-        let Some([lo, hi]) = box_of(corners.iter().copied()) else { return true };
-        let is_near = lo.abs().max(hi.abs()).max_element() <= AWAY_MAX * (hi - lo).max_element();
-        self.is_short(corners) && draws_little || !is_near
-    }
-
-    /// Whether a box is short beside what model space shows: nobody expects parts of it to move.
-    pub fn is_short(&self, corners: &[DVec2]) -> bool {
-        let boxes = (box_of(corners.iter().copied()), self.extent);
-        let (Some([lo, hi]), Some([from, to])) = boxes else { return true };
-        (hi - lo).max_element() <= THING_SIZE * (to - from).max_element()
-    }
-}
-
-/// Whether a point lies within an outline, bulges taken as straight.
-pub(super) fn encloses(outline: &Shape, p: DVec2) -> bool {
-    match outline {
-        Shape::Circle { centre, radius } => centre.distance(p) <= *radius,
-        Shape::Polyline { vertices, .. } => {
-            is_inside_ring(&vertices.iter().map(|v| v.at).collect::<Vec<_>>(), p)
-        }
-        Shape::Line { .. } | Shape::Arc { .. } => false,
-    }
-}
-
-/// Whether a map can be taken back without loss.
-pub(super) fn is_regular(map: &DAffine2) -> bool {
-    let [x, y] = [map.matrix2.x_axis, map.matrix2.y_axis];
-    let size = x.abs().max(y.abs()).max_element();
-    let stretch = size * size / map.matrix2.determinant().abs();
-    map.is_finite() && stretch <= STRETCH_MAX && map.inverse().is_finite()
-}
-
-/// How an entity of a block that is shown once is written back.
-pub(super) fn own_editable(drawn: &Shape, editable: &Editable, map: &DAffine2) -> Editable {
-    let is_straight = match drawn {
-        Shape::Line { .. } => true,
-        Shape::Polyline { vertices, .. } => vertices.iter().all(|v| v.bulge == 0.0),
-        Shape::Arc { .. } | Shape::Circle { .. } => false,
-    };
-    match editable {
-        Editable::Free if !is_straight && similarity(map).is_none() => {
-            Editable::No("it is round and its INSERT stretches it more one way than the other".into())
-        }
-        Editable::WithInsert { turnable } => {
-            Editable::WithInsert { turnable: *turnable && similarity(map).is_some() }
-        }
-        other => other.clone(),
-    }
-}
 
 /// Where the definition of a block lies that is shown once: its coordinates to those of model space.
 pub(super) struct Place {

@@ -18,7 +18,7 @@ use super::opened::Place as Placed;
 use super::poche::points_of;
 use super::read::fault_error;
 use super::reader::Reader;
-use super::tokens::{Form, Kind, Tokens, kind_of, tokenize, trim};
+use super::tokens::{Form, Kind, Tokens, kind_of, number_text, tokenize, trim};
 use crate::drawing::{Addition, Edit, RigidMotion, Shape, Vertex};
 use crate::splice::{Splice, apply};
 use enfilade_report::{Error, Place, Report};
@@ -436,10 +436,4 @@ impl Editor<'_, '_> {
         let old_deg = fields.index(50).map_or(Ok(0.0), |i| self.number(i))?;
         self.angle(&fields, 50, old_deg + side * motion.turn_rad.to_degrees(), 0.0)
     }
-}
-
-/// The shortest decimal that reads back as the same number, never with an exponent.
-pub(super) fn number_text(value: f64) -> String {
-    let text = format!("{value}");
-    if text.contains('.') { text } else { text + ".0" }
 }

@@ -436,6 +436,12 @@ pub(super) fn shown(value: &[u8]) -> String {
     if clean.chars().count() <= 40 { clean } else { clean.chars().take(39).collect::<String>() + "…" }
 }
 
+/// The shortest decimal that reads back as the same number, never with an exponent.
+pub(super) fn number_text(value: f64) -> String {
+    let text = format!("{value}");
+    if text.contains('.') { text } else { text + ".0" }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use base64::Engine;
 
 use super::dangling::{reaches_beyond, taken};
+use super::glb::fault;
 use super::json::{Json, Value};
-use super::patch::from_plan;
-use super::scene::{File, fault};
+use super::motion::from_plan;
+use super::scene::File;
 use crate::drawing::{Addition, Mark};
 use crate::splice::Splice;
 use enfilade_report::Error;

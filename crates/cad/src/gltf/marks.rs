@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::bodies::Body;
+use super::body::Body;
 use super::json::{Json, Value};
-use super::pieces::of_record;
+use super::record::of_record;
 use super::scene::{File, Shown};
 use super::values::TOLD;
 use crate::drawing::{Entity, IdleMarks, MarkedMove};

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
+use super::component::{FAN, FLOAT, TRIANGLES, WHOLE};
 use super::json::{Json, Value};
 use super::limits::TRIANGLES_MAX;
-use super::primitives::{FLOAT, WHOLE};
 use super::scene::File;
 
 /// What keeps a mesh from being read: JSON pointer and reason.
@@ -224,10 +224,6 @@ fn component(bytes: &[u8], kind: usize, normalised: bool) -> f64 {
     };
     if normalised { (value / most).max(-1.0) } else { value }
 }
-
-/// Modes of a primitive: what a list of triangles is where none is stated, and the last.
-pub(super) const TRIANGLES: usize = 4;
-pub(super) const FAN: usize = 6;
 
 /// A member that is an index or a count, if it is stated; what it is where it is something else.
 fn stated(json: &Json, key: &str) -> Result<Option<usize>, String> {

@@ -14,26 +14,31 @@
 
 mod additions;
 mod bodies;
+mod body;
+mod component;
 mod dangling;
+mod glb;
 mod json;
 mod limits;
 mod marks;
 mod meshes;
+mod motion;
 mod outer;
 mod patch;
 mod pieces;
 mod primitives;
 mod read;
+mod record;
 mod scene;
 mod twin;
 mod upright;
 mod values;
 
 pub use bodies::is_global_id;
+pub use glb::is_glb;
 pub use limits::*;
 pub use outer::{Outer, outer_files};
 pub use read::read;
-pub use scene::is_glb;
 pub use twin::uses_twin;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -73,7 +78,7 @@ pub struct ReadOptions {
 /// What is missing of a file that is not finished.
 pub fn incomplete(bytes: &[u8]) -> Option<String> {
     if is_glb(bytes) {
-        let stated = scene::stated_length(bytes).unwrap_or(0);
+        let stated = glb::stated_length(bytes).unwrap_or(0);
         let found = bytes.len();
         return (stated != found).then(|| format!("the header states {stated} bytes, found {found}"));
     }
@@ -100,7 +105,7 @@ pub fn patch(
     let mut pieces = pieces::Mover::new(&scene);
     for edit in edits {
         match edit {
-            Edit::Insert { record, motion } if pieces::of_record(*record).1.is_some() => {
+            Edit::Insert { record, motion } if record::of_record(*record).1.is_some() => {
                 pieces.edit(&shown, *record, motion)?;
             }
             _ => splices.extend(patch::edit(&scene, &shown, edit)?),
@@ -128,7 +133,7 @@ pub fn patch(
 ///
 /// [`SourceRef::record`]: crate::drawing::SourceRef::record
 pub fn path_of(record: usize) -> String {
-    format!("/nodes/{}", pieces::of_record(record).0)
+    format!("/nodes/{}", record::of_record(record).0)
 }
 
 /// A GLB with another JSON chunk, and another binary one where it has changed.

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use percent_encoding::percent_decode_str;
 
+use super::glb::json_of;
 use super::json::{self, Json};
-use super::scene;
 
 /// Endings that the standard gives files of buffers, lower case.
 const DATA_ENDINGS: [&str; 3] = [".bin", ".glbin", ".glbuf"];
@@ -93,7 +93,7 @@ pub struct Outer {
 
 /// What a scene wants to have beside it; nothing where the bytes are no scene.
 pub fn outer_files(bytes: &[u8]) -> Outer {
-    let Some(json) = scene::json_of(bytes).and_then(|text| json::parse(text).ok()) else {
+    let Some(json) = json_of(bytes).and_then(|text| json::parse(text).ok()) else {
         return Outer::default();
     };
     let named = |key: &str, name: fn(&str) -> Result<String, String>| {

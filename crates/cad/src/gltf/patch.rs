@@ -1,23 +1,13 @@
 //! Moves of nodes to bytes: a node's transform changes, the rest of the file stays.
 
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DMat4, DQuat};
 
-use super::bodies::z_up;
 use super::json::{Json, Value};
-use super::pieces::of_record;
+use super::motion::{fault, numbers, text, world_motion};
 use super::scene::{File, Shown, local, parts};
-use crate::drawing::{Edit, RigidMotion};
+use crate::drawing::Edit;
 use crate::splice::Splice;
-use enfilade_report::{Error, Place};
-
-/// Differences of numbers below this share are rounding.
-const NOISE: f64 = 1e-14;
-
-/// An edit that cannot be made.
-pub(super) fn fault(file: &str, record: usize, why: &str) -> Error {
-    let place = Place::file(file).entity(format!("/nodes/{}", of_record(record).0));
-    Error::input("gltf-edit", place, format!("cannot be moved: {why}; nothing was written"))
-}
+use enfilade_report::Error;
 
 /// Splices of the JSON text (counted from its start) that make an edit.
 pub(super) fn edit(scene: &File<'_>, shown: &[Shown], edit: &Edit) -> Result<Vec<Splice>, Error> {
@@ -63,12 +53,6 @@ pub(super) fn edit(scene: &File<'_>, shown: &[Shown], edit: &Edit) -> Result<Vec
     Ok(out)
 }
 
-/// The motion of the plan as one of the world, Y up.
-pub(super) fn world_motion(motion: &RigidMotion) -> DAffine3 {
-    let shift = DVec3::new(motion.shift.x, 0.0, -motion.shift.y);
-    DAffine3::from_mat3_translation(DMat3::from_rotation_y(motion.turn_rad), shift)
-}
-
 fn member(node: &Json, key: &str, new: &[f64], out: &mut Vec<Splice>) {
     match node.get(key) {
         Some(old) => out.extend(numbers(old, new)),
@@ -80,21 +64,4 @@ fn member(node: &Json, key: &str, new: &[f64], out: &mut Vec<Splice>) {
             out.push(Splice::new(at..at, format!("\"{key}\":[{}]{comma}", list.join(","))));
         }
     }
-}
-
-/// Splices of the numbers that differ.
-pub(super) fn numbers(old: &Json, new: &[f64]) -> Vec<Splice> {
-    let differs =
-        |(j, v): &(&Json, &f64)| j.number().is_none_or(|o| (o - **v).abs() > NOISE * o.abs().max(1.0));
-    old.items().iter().zip(new).filter(differs).map(|(j, v)| Splice::new(j.span.clone(), text(*v))).collect()
-}
-
-/// A number as JSON writes it.
-pub(super) fn text(v: f64) -> String {
-    if v == 0.0 { "0".into() } else { format!("{v:?}").trim_end_matches(".0").to_string() }
-}
-
-/// From the plan's coordinates to the world, Y up.
-pub(super) fn from_plan(x: f64, y: f64, z: f64) -> DVec3 {
-    z_up().inverse().transform_point3(DVec3::new(x, y, z))
 }

@@ -6,24 +6,12 @@ use glam::{DAffine3, DVec3};
 
 use super::json::Value;
 use super::limits::PIECES_MAX;
-use super::patch::{fault, numbers, world_motion};
+use super::motion::{fault, numbers, world_motion};
+use super::record::of_record;
 use super::scene::{File, Shown, VERTEX_DATA};
 use crate::drawing::RigidMotion;
 use crate::splice::Splice;
 use enfilade_report::Error;
-
-/// Records of one piece more lie this far behind their node's.
-const NODE_RECORDS: usize = 1 << (usize::BITS / 2);
-
-/// The record of a node, or of one piece of its mesh.
-pub(super) fn record(node: usize, piece: Option<usize>) -> usize {
-    node + piece.map_or(0, |p| (p + 1) * NODE_RECORDS)
-}
-
-/// Node and piece of a record.
-pub(super) fn of_record(record: usize) -> (usize, Option<usize>) {
-    (record % NODE_RECORDS, (record / NODE_RECORDS).checked_sub(1))
-}
 
 /// The pieces of a mesh: triangles that share a corner are of one.
 pub(super) struct Pieces {

@@ -5,15 +5,9 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
+use super::component::{FAN, TRIANGLES, WHOLE};
 use super::json::{Json, Value};
-use super::meshes::{FAN, TRIANGLES};
 use super::scene::{File, Shown};
-
-/// Component types of whole numbers that may be normalised; of what is normalised.
-pub(super) const WHOLE: [usize; 4] = [5120, 5121, 5122, 5123];
-
-/// Component type of floats.
-pub(super) const FLOAT: usize = 5126;
 
 /// How far stated bounds may be from the data by rounding, a share of the largest coordinate.
 const BOUND_SLACK: f64 = 1e-5;

@@ -5,8 +5,10 @@ use std::ops::Range;
 
 use glam::{DAffine2, DAffine3, DMat2, DMat3, DVec2, DVec3};
 
-use super::bodies::{Bodies, Body, SCENE_LAYER, SPACE_LAYER, bodies, is_global_id, z_up};
-use super::pieces::{of_record, record};
+use super::bodies::{Bodies, SCENE_LAYER, SPACE_LAYER, bodies, is_global_id};
+use super::body::Body;
+use super::motion::z_up;
+use super::record::{of_record, record};
 use super::scene::{File, Shown};
 use super::{ReadOptions, marks, twin, upright, values};
 use crate::drawing::{

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::bodies::{Body, SCENE_LAYER};
+use super::bodies::SCENE_LAYER;
+use super::body::Body;
 use enfilade_report::{Place, Report};
 
 /// Fewer walls say nothing.

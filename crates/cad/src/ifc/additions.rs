@@ -6,14 +6,14 @@ use glam::DVec2;
 use sha2::{Digest, Sha256};
 
 use super::ReadOptions;
+use super::building::Building;
 use super::geo::is_upright;
 use super::length::Figures;
-use super::patch::real;
-use super::read::Building;
+use super::number::real;
 use super::rooms::Room;
 use super::step::Arg;
-use super::text::encode;
 use crate::drawing::{Addition, Edit, Mark, RigidMotion};
+use crate::step_text::encode;
 use enfilade_report::{Error, Report, counted};
 
 /// Additions lie this far above the floor, so that the floor does not hide them.

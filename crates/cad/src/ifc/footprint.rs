@@ -1,13 +1,7 @@
-//! Where elements stand in the plan, whether or not the cut shows them.
+//! What an element covers in the plan, and how what two cover lies together.
 
-use std::collections::BTreeMap;
+use glam::DVec2;
 
-use glam::{DAffine3, DVec2};
-use rayon::prelude::*;
-
-use super::marks::is_yes;
-use super::model::{Product, body_items};
-use super::read::Building;
 use crate::plane::distance_to_segment;
 
 /// An end of a wall this near to another wall stands at it, metres.
@@ -39,23 +33,6 @@ pub(super) struct StandingWall {
     pub at: Footprint,
 }
 
-/// Every wall that has a body that can be cut, by its instance.
-pub(super) fn standing(b: &Building<'_, '_>) -> BTreeMap<u64, StandingWall> {
-    let walls: Vec<u64> =
-        b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")).map(|p| p.id).collect();
-    let one = |id: &u64| Some((*id, StandingWall { reach: reach(b, *id)?, at: Footprint::of(b, *id)? }));
-    walls.par_iter().filter_map(one).collect()
-}
-
-/// Every space that a mark keeps, on whichever storey.
-pub(super) fn kept_spaces(b: &Building<'_, '_>) -> Vec<StandingWall> {
-    let spaces = b.model.products.iter().filter(|p| p.class == "IfcSpace");
-    let is_kept =
-        |p: &Product| super::marks::of_space(b, p.id).get("keep").is_some_and(|v| is_yes(v) == Some(true));
-    let one = |p: &Product| Some(StandingWall { reach: reach(b, p.id)?, at: Footprint::of(b, p.id)? });
-    spaces.filter(|p| is_kept(p)).filter_map(one).collect()
-}
-
 /// What becomes of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Parting {
@@ -67,50 +44,11 @@ pub enum Parting {
     Unknown,
 }
 
-/// The lowest and the highest point of an element's body.
-pub(super) fn reach(b: &Building<'_, '_>, id: u64) -> Option<[f64; 2]> {
-    let product = b.model.product(id)?;
-    let world = product.placement.map_or(Ok(DAffine3::IDENTITY), |p| b.geo.placement(p)).ok()?;
-    let items = body_items(b.step, product.shape?).ok()?;
-    let all: Option<Vec<[f64; 2]>> = items.iter().map(|i| b.geo.reach(*i, &world, 0).ok()).collect();
-    all?.into_iter().reduce(|s, r| [s[0].min(r[0]), s[1].max(r[1])])
-}
-
 impl Footprint {
-    /// Of an element with a body that can be cut.
-    pub fn of(b: &Building<'_, '_>, id: u64) -> Option<Self> {
-        let [low, high] = reach(b, id)?;
-        let product = b.model.product(id)?;
-        let world = product.placement.map_or(Ok(DAffine3::IDENTITY), |p| b.geo.placement(p)).ok()?;
-        let cut =
-            b.geo.cut_items(&body_items(b.step, product.shape?).ok()?, &world, f64::midpoint(low, high));
-        let rings: Vec<Vec<DVec2>> =
-            cut.region.rings().map(|r| r.iter().map(|p| DVec2::from(*p)).collect()).collect();
-        Self::new(rings)
-    }
-
-    fn new(rings: Vec<Vec<DVec2>>) -> Option<Self> {
+    /// What rings enclose; none where there is no corner.
+    pub fn new(rings: Vec<Vec<DVec2>>) -> Option<Self> {
         let extent = crate::plane::box_of(rings.iter().flatten().copied())?;
         Some(Self { rings, extent })
-    }
-
-    /// Of a body at several heights, each for itself: what has no height at which it shows all of its ground.
-    pub fn slices(b: &Building<'_, '_>, product: &Product, count: u32) -> Vec<Self> {
-        let Some(world) = product.placement.map_or(Some(DAffine3::IDENTITY), |p| b.geo.placement(p).ok())
-        else {
-            return Vec::new();
-        };
-        let Some(items) = product.shape.and_then(|s| body_items(b.step, s).ok()) else { return Vec::new() };
-        let reach = items.iter().filter_map(|i| b.geo.reach(*i, &world, 0).ok());
-        let Some([low, high]) = reach.reduce(|s, r| [s[0].min(r[0]), s[1].max(r[1])]) else {
-            return Vec::new();
-        };
-        let at = |k: u32| low + (high - low) * (f64::from(k) + 0.5) / f64::from(count);
-        let slice = |k: u32| {
-            let cut = b.geo.cut_items(&items, &world, at(k));
-            Self::new(cut.region.rings().map(|r| r.iter().map(|p| DVec2::from(*p)).collect()).collect())
-        };
-        (0..count).filter_map(slice).collect()
     }
 
     /// Whether a side of it runs in a direction, up to a small sine of the angle.

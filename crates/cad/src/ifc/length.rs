@@ -7,12 +7,13 @@ use std::cell::Cell;
 
 use glam::{DAffine3, DVec2};
 
-use super::footprint::{Footprint, reach};
+use super::building::Building;
+use super::footprint::Footprint;
 use super::geo::{Why, plan_point};
 use super::model::body_items;
-use super::read::Building;
+use super::quantity::{Stated, is_same};
 use super::reshape::{Node, Reshape, SLOPE_MIN, is_plumb, is_straight, list_of};
-use super::rooms::{Stated, is_same};
+use super::standing::reach;
 use super::step::Arg;
 
 /// Directions whose sine is smaller are one.

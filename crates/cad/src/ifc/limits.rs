@@ -1,6 +1,6 @@
 //! What is too much for an IFC file, each with its reason.
 
-use super::step::Fault;
+use super::instance::Fault;
 
 /// Parentheses inside one instance: the schemas nest four deep, a file of parentheses alone would fill the stack.
 pub const NESTING_MAX: usize = 48;

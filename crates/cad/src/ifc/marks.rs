@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-use super::model::Product;
-use super::read::Building;
+use super::building::Building;
+use super::model::{Product, is_ours};
 use crate::drawing::IdleMarks;
 use crate::own_layers;
 use crate::own_layers::{CLAUSES, KEEP, MOVE, name_in};
@@ -22,11 +22,6 @@ const TOLD: usize = 20;
 /// The yes and no of a property, in lower case.
 const YES: [&str; 4] = ["t", "true", "1", "yes"];
 const NO: [&str; 7] = ["", "f", "false", "0", "no", "u", "unknown"];
-
-/// Whether a set of properties is ours.
-pub(super) fn is_ours(name: &str) -> bool {
-    name.eq_ignore_ascii_case("Pset_Enfilade")
-}
 
 /// Whether a mark says yes; `None` where it says something else.
 pub(super) fn is_yes(value: &str) -> Option<bool> {

@@ -13,21 +13,26 @@
 
 mod additions;
 mod body;
+mod building;
 mod footprint;
 mod geo;
+mod heights;
+mod instance;
 mod length;
 mod limits;
 mod marks;
 mod model;
+mod number;
 mod patch;
 mod plain;
 mod profile;
+mod quantity;
 mod read;
 mod reshape;
 mod rooms;
+mod standing;
 mod step;
 mod structure;
-mod text;
 mod units;
 mod unseen;
 mod zip;
@@ -35,6 +40,7 @@ mod zip;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use building::Building;
 pub use footprint::Parting;
 use glam::DVec2;
 pub use limits::*;
@@ -46,9 +52,9 @@ pub use zip::{is_zip, unzip};
 
 use crate::drawing::{Addition, Drawing, Edit, Unit};
 use crate::splice::{self, Splice};
+pub use crate::step_text::decoded;
 use crate::{SpaceNames, StoreyInfo};
 use enfilade_report::{Error, Place, Report};
-use read::Building;
 use step::{Fault, Step, line_of};
 
 /// Height of standing eyes above the floor.
@@ -440,7 +446,7 @@ pub struct Inventory {
 fn count_marked(building: &Building<'_, '_>) -> usize {
     let step = building.step;
     let is_ours = |i: &&step::Instance| {
-        step.args_of(i).get(2).and_then(|a| step.text(a)).is_some_and(|n| marks::is_ours(&n))
+        step.args_of(i).get(2).and_then(|a| step.text(a)).is_some_and(|n| model::is_ours(&n))
     };
     let sets: BTreeSet<u64> = step.all("IFCPROPERTYSET").filter(is_ours).map(|i| i.id).collect();
     building.model.properties.values().filter(|of| of.iter().any(|s| sets.contains(s))).count()
@@ -484,11 +490,6 @@ pub fn inventory(bytes: &[u8], unit: Option<Unit>) -> Inventory {
         spaces,
         marked: count_marked(&building),
     }
-}
-
-/// A text with the escapes of a STEP file, as somebody copies it out of one.
-pub fn decoded(text: &str) -> String {
-    text::decode(text.as_bytes())
 }
 
 /// `Tag` of products: the element's id in the program that wrote the file; the `GlobalId` where there is none.

@@ -411,7 +411,7 @@ const ONE_VALUE: &str = "IFCPROPERTYSINGLEVALUE";
 
 /// The properties of a set, if it is ours.
 fn own_properties(step: &Step<'_>, set: u64) -> Vec<u64> {
-    properties_of(step, set, super::marks::is_ours)
+    properties_of(step, set, is_ours)
 }
 
 /// The properties of a set that has a name as wanted.
@@ -539,4 +539,9 @@ pub(super) fn layer_reach(step: &Step<'_>, model: &Model, id: u64) -> Option<[f6
     let offset = offset.unwrap_or(-total / 2.0);
     let other = if negative { offset - total } else { offset + total };
     (total > 0.0).then(|| [offset.min(other), offset.max(other)])
+}
+
+/// Whether a set of properties is ours.
+pub(super) fn is_ours(name: &str) -> bool {
+    name.eq_ignore_ascii_case("Pset_Enfilade")
 }

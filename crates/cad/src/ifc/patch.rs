@@ -6,9 +6,10 @@ use std::ops::Range;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::ReadOptions;
+use super::building::{Building, refusal};
 use super::geo::Why;
 use super::length;
-use super::read::Building;
+use super::number::real;
 use super::reshape::{Change, Node};
 use super::rooms::{self, Room};
 use super::step::{Arg, Step};
@@ -22,24 +23,6 @@ const NOISE_STEPS: f64 = 16.0;
 
 /// Ratios of a direction that differ less than this are the same.
 const NOISE_RATIO: f64 = 1e-14;
-
-/// Why a product cannot be moved, if so.
-pub(super) fn refusal(b: &Building<'_, '_>, id: u64) -> Option<String> {
-    if !b.step.duplicates.is_empty() {
-        return Some("the file gives one number to several instances".into());
-    }
-    let global_id = b.step.args(id).first().and_then(|a| b.step.text(a)).unwrap_or_default();
-    if b.model.twice.contains(&global_id) {
-        return Some(format!("the file gives its GlobalId {global_id} to several elements"));
-    }
-    for follower in b.model.follows(id) {
-        let Some(placement) = b.step.args(follower).get(5).and_then(Arg::id) else { continue };
-        if let Err(why) = b.geo.placement(placement) {
-            return Some(why);
-        }
-    }
-    None
-}
 
 /// What an edit changes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -632,34 +615,4 @@ fn users(
 
 fn triple(v: DVec3) -> String {
     format!("({},{},{})", real(v.x), real(v.y), real(v.z))
-}
-
-/// A number as STEP writes it: always with a point, shortest text that reads back the same.
-pub(super) fn real(v: f64) -> String {
-    if v == 0.0 {
-        return "0.".into();
-    }
-    let text = format!("{v:?}");
-    let (mantissa, exponent) = text.split_once('e').map_or((text.as_str(), None), |(m, e)| (m, Some(e)));
-    let mantissa = match mantissa.strip_suffix(".0") {
-        Some(whole) => format!("{whole}."),
-        None if mantissa.contains('.') => mantissa.to_string(),
-        None => format!("{mantissa}."),
-    };
-    exponent.map_or(mantissa.clone(), |e| format!("{mantissa}E{e}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_a_point_and_read_back() {
-        for v in [0.0, 1.0, -2.5, 1e-7, 1e22, 0.1 + 0.2, 5774347.227, -1e-300] {
-            let text = real(v);
-            assert!(text.contains('.'), "{text}");
-            assert_eq!(text.parse::<f64>().unwrap(), v);
-        }
-        assert_eq!((real(1.0), real(1e-7)), ("1.".to_string(), "1.E-7".to_string()));
-    }
 }

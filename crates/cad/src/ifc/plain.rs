@@ -7,8 +7,8 @@ use std::ops::Range;
 
 use memchr::memchr2;
 
+use super::instance::Instance;
 use super::limits::{INSTANCE_BYTES_MAX, NESTING_MAX};
-use super::step::Instance;
 
 /// Digits of a number that surely fits.
 const DIGITS_MAX: usize = 17;

@@ -1,23 +1,23 @@
 //! One storey of a building as a plan: every element cut at the height of the eyes.
 
-mod heights;
 mod north;
 mod slots;
 mod told;
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::HashSet;
 use std::sync::OnceLock;
 
 use glam::{DAffine3, DVec2};
 use rayon::prelude::*;
 
-use super::footprint::{self, StandingWall};
+use super::building::{Building, refusal};
 use super::geo::{Geo, Why, is_upright, plan_point};
+use super::heights::{heights, sizes, wall_spans};
 use super::length;
 use super::limits::OUTLINE_POINTS_MAX;
 use super::model::{Model, Product, Storey, axis_item, body_items, layer_reach};
 use super::step::Step;
-use super::units::{Units, units};
+use super::units::units;
 use super::{CUT_EYE_M, ReadOptions, Sight};
 use crate::drawing::{
     Drawing, Editable, Entity, Format, IdleMarks, Layer, MarkedMove, Shape, Slot, SourceRef, Text, Unit,
@@ -29,8 +29,6 @@ use crate::storeys::{is_over, refuse_without_own, state_shared_name};
 use crate::units::by_heights;
 use crate::{SpaceNames, listed, main_storey, no_storey, storey_at};
 use enfilade_report::{Error, Place, Report};
-pub(super) use heights::heights;
-use heights::{sizes, wall_spans};
 use north::{north_deg, state_north};
 use told::Standing;
 
@@ -48,26 +46,6 @@ const SLIVER_M: f64 = 0.01;
 
 /// Corners of a cut this near to an end of the wall belong to it.
 const END_M: f64 = 1e-5;
-
-/// A file ready to be cut.
-pub(super) struct Building<'s, 'a> {
-    /// Name to show.
-    pub file: &'s str,
-    /// The file.
-    pub step: &'s Step<'a>,
-    /// Its geometry.
-    pub geo: Geo<'s, 'a>,
-    /// Its products.
-    pub model: Model,
-    /// Its units.
-    pub units: Units,
-    /// Its unit of length by the heights of its walls, where nobody says one or they cannot be so high in it.
-    pub unit_by_heights: Option<Unit>,
-    /// Why the unit that the file states is doubted.
-    unit_doubt: Option<String>,
-    /// See [`Self::standing`].
-    standing: OnceLock<BTreeMap<u64, StandingWall>>,
-}
 
 impl<'s, 'a> Building<'s, 'a> {
     /// Reads units, products and relations. `wanted` is the user's word for the unit; where neither the user nor the
@@ -90,17 +68,6 @@ impl<'s, 'a> Building<'s, 'a> {
         }
         out.measure_tops();
         out
-    }
-
-    /// Every wall as it stands, whatever its storey; measured when first asked for.
-    pub fn standing(&self) -> &BTreeMap<u64, StandingWall> {
-        self.standing.get_or_init(|| footprint::standing(self))
-    }
-
-    /// The name of the storey in which an element stands.
-    pub fn storey_name(&self, id: u64) -> Option<String> {
-        let of = self.model.storey_of(id)?;
-        self.model.storeys.iter().find(|s| s.id == of).map(|s| s.name.clone())
     }
 
     /// Measures how high the own walls of those storeys reach over which another one begins below the eyes.
@@ -144,12 +111,6 @@ impl<'s, 'a> Building<'s, 'a> {
         let reach = |item: &u64| self.geo.reach(*item, &world, 0).ok().filter(|r| r[1].is_finite());
         let all = items.iter().map(reach).collect::<Option<Vec<_>>>()?;
         all.into_iter().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
-    }
-
-    /// `house.ifc:12 #4711 IfcWall 2O2F…`.
-    pub fn place(&self, p: &Product) -> Place {
-        let line = self.step.get(p.id).map(|i| self.step.line(i.span.start));
-        Place { file: self.file.into(), line, entity: format!("#{} {} {}", p.id, p.class, p.global_id) }
     }
 
     /// What a space is called, and its zones.
@@ -695,7 +656,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     }
 
     fn editable(&self, p: &Product) -> Editable {
-        match super::patch::refusal(self.b, p.id) {
+        match refusal(self.b, p.id) {
             Some(why) => Editable::No(why),
             None => Editable::WithInsert { turnable: true },
         }

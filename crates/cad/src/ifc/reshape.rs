@@ -8,11 +8,11 @@ use std::ops::Range;
 
 use glam::{DAffine3, DVec2, DVec3};
 
+use super::building::Building;
 use super::geo::{UPRIGHT, Why};
 use super::limits::BODY_DEPTH_MAX;
 use super::model::body_items;
-use super::patch::real;
-use super::read::Building;
+use super::number::real;
 use super::step::{Arg, Value};
 use crate::plane::box_of;
 

@@ -6,17 +6,18 @@
 //! the outline as drawn; other quantities and the boundaries of the room are named.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 
 use glam::DVec2;
 
-use super::footprint::{Footprint, StandingWall, reach};
+use super::building::Building;
+use super::footprint::{Footprint, StandingWall};
 use super::geo::Why;
 use super::length;
 use super::model::Product;
-use super::patch::real;
-use super::read::Building;
+use super::number::real;
+use super::quantity::{Stated, is_same};
 use super::reshape::{Change, Node, Reshape, list_of};
+use super::standing::reach;
 use super::step::Arg;
 use super::unseen::Tails;
 use crate::drawing::{Edit, RigidMotion};
@@ -40,9 +41,6 @@ const GOES_SHARE: f64 = 0.9;
 
 /// A side that would become shorter than this would be gone, metres.
 const SIDE_MIN_M: f64 = 0.05;
-
-/// A stated quantity that differs by a smaller share from that of the outline is the outline's.
-const SAME_SHARE: f64 = 0.005;
 
 /// A room that a moved wall bounds.
 #[derive(Clone, Debug, PartialEq)]
@@ -301,37 +299,4 @@ fn quantities(b: &Building<'_, '_>, id: u64, grounds: &[[Vec<DVec2>; 2]]) -> (Ve
         follow.extend((!changes.is_empty()).then_some(Node { id: set, changes }));
     }
     (follow, stay)
-}
-
-/// A length, an area or a volume that the file states.
-pub(super) struct Stated {
-    /// Of the length: 1, 2 or 3.
-    pub power: i32,
-    /// In the file's units.
-    pub value: f64,
-    /// Where the value stands.
-    pub slot: Range<usize>,
-    /// What it is called.
-    pub name: String,
-}
-
-impl Stated {
-    /// What a quantity states, if it is one of these.
-    pub fn of(b: &Building<'_, '_>, quantity: u64) -> Option<Self> {
-        let power = match &*b.step.keyword(quantity) {
-            "IFCQUANTITYLENGTH" => 1,
-            "IFCQUANTITYAREA" => 2,
-            "IFCQUANTITYVOLUME" => 3,
-            _ => return None,
-        };
-        let args = b.step.args(quantity);
-        let (value, slot) = args.get(3).and_then(|a| Some((a.number()?, a.span.clone())))?;
-        let name = args.first().and_then(|a| b.step.text(a)).unwrap_or_default();
-        Some(Self { power, value, slot, name })
-    }
-}
-
-/// Whether a stated value is one of the outline's, in units of the file or in metres.
-pub(super) fn is_same(stated: f64, own: f64, metres: f64) -> bool {
-    [1.0, metres].iter().any(|unit| (stated - own * unit).abs() <= SAME_SHARE * own * unit)
 }

@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, HashMap};
 use glam::{DAffine3, DVec2};
 use rayon::prelude::*;
 
+use super::building::Building;
 use super::footprint::{Footprint, StandingWall};
 use super::model::{Product, pairs, product};
-use super::read::Building;
 use super::step::Value;
 use crate::bearing::{Bearing, by_name};
 use crate::drawing::Called;
@@ -172,7 +172,7 @@ impl<'b> Around<'b> {
         let columns = b.model.products.iter().filter(|p| p.class.starts_with("IfcColumn"));
         let at_cut = columns.flat_map(|p| Footprint::slices(b, p, 1).into_iter().map(move |f| (p, f)));
         let is_cut = |p: &Product| {
-            super::footprint::reach(b, p.id).is_some_and(|[low, high]| low <= cut && high >= cut)
+            super::standing::reach(b, p.id).is_some_and(|[low, high]| low <= cut && high >= cut)
         };
         Self {
             standing: b.standing(),

@@ -7,9 +7,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::ReadOptions;
+use super::building::{Building, refusal};
 use super::footprint::{Footprint, Parting, StandingWall, parting};
+use super::heights::heights;
 use super::length::{self, Bar};
-use super::read::{Building, heights};
 use super::step::{Arg, Step};
 use crate::drawing::{Edit, RigidMotion};
 use enfilade_report::Report;
@@ -126,7 +127,7 @@ fn leave_kept(b: &Building<'_, '_>, found: &mut BTreeMap<u64, Candidate>) {
         return;
     }
     let metres = b.geo.metres;
-    let spaces = super::footprint::kept_spaces(b);
+    let spaces = super::standing::kept_spaces(b);
     let holds = |space: &StandingWall, own: &StandingWall, one: &Candidate| {
         let goes = (0..2).filter(|k| one.by()[*k] != 0.0);
         is_level(space.reach, own.reach, metres)
@@ -331,7 +332,7 @@ fn beside(b: &Building<'_, '_>, shifting: impl Iterator<Item = u64>, cut: f64) -
 fn unseen(b: &Building<'_, '_>, id: u64, cut: f64) -> Option<Bar> {
     b.model.product(id).filter(|p| p.class.starts_with("IfcWall"))?;
     let is_held = super::marks::kept(b, id).is_some();
-    if is_held || b.model.openings.contains_key(&id) || super::patch::refusal(b, id).is_some() {
+    if is_held || b.model.openings.contains_key(&id) || refusal(b, id).is_some() {
         return None;
     }
     let is_seen = is_cut(b.standing().get(&id)?.reach, cut);

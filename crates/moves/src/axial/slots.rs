@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::super::defaults::{DOOR_WIDTH_M, SLIDE_M, SLIDE_MIN_M};
+use super::super::sizes::{DOOR_WIDTH_M, SLIDE_M, SLIDE_MIN_M};
 use super::super::sliding::{Sliding, upright, whole_mm};
 use super::{Axial, BESIDE_DOOR_M, REST_M};
 use enfilade_plan::graph::Handle;

@@ -4,7 +4,8 @@
 
 use std::path::PathBuf;
 
-use enfilade_overlay::picture::{Palette, Scale, StrokeKind};
+use enfilade_overlay::palette::{Palette, Scale};
+use enfilade_overlay::picture::StrokeKind;
 use enfilade_overlay::{
     HeatMap, Panel, Series, check_png, convergence_png, diversity_png, heat_map_png, resolution_png,
 };

@@ -1,6 +1,7 @@
 //! Heat maps and diagrams.
 
-use enfilade_overlay::picture::{Palette, PlanPicture, Scale, StrokeKind};
+use enfilade_overlay::palette::{Palette, Scale};
+use enfilade_overlay::picture::{PlanPicture, StrokeKind};
 use enfilade_overlay::{
     Cell, HeatMap, Panel, Series, check_png, convergence_png, diversity_png, heat_map_png, resolution_png,
 };

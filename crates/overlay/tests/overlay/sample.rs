@@ -1,7 +1,8 @@
 //! A round made up to be shown: five options of a building, three rounds, hostile names.
 
 use enfilade_overlay::page::{ArchivePoint, ReportInput, View};
-use enfilade_overlay::picture::{Palette, PlanPicture, Scale, Stroke, StrokeKind};
+use enfilade_overlay::palette::{Palette, Scale};
+use enfilade_overlay::picture::{PlanPicture, Stroke, StrokeKind};
 use enfilade_overlay::result::*;
 use enfilade_overlay::words::{confirmed, words};
 use enfilade_overlay::{Cell, HeatMap, Series, check_png, convergence_png, diversity_png, heat_map_png};

@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::axis::{Axis, Spare};
 use super::carrier::Carrier;
 use super::evidence::Evidence;
 use super::near::Buckets;
@@ -11,7 +12,7 @@ use super::strips::Paired;
 use super::tolerances::{
     CROSSING_MIN_RAD, ERROR_GAP_M, LEAF_M, ONE_SIDED_GAP_M, OPENING_MAX_M, PASSAGE_MAX_M, THICKNESS_MAX_M,
 };
-use super::{AxisGraph, Drawn, Leftover, Role, cuts};
+use super::{AxisGraph, Drawn, Leftover, cuts};
 
 /// Axes whose lines lie this near, with like thickness, are in one row.
 const ROW_M: f64 = 0.015;
@@ -27,38 +28,6 @@ const SINGLE_MIN_M: f64 = 0.8;
 const REMAINDER_MIN_M: f64 = 1.2;
 /// Thinnest wall that can have window lines between its faces.
 const BAND_MIN_M: f64 = 0.05;
-
-/// A piece of axis.
-#[derive(Clone, Debug)]
-pub struct Axis {
-    pub carrier: Carrier,
-    pub span: Span,
-    pub thickness: f64,
-    pub role: Role,
-    /// Indices of [`Drawn::faces`] on the positive and on the negative side of the carrier.
-    pub sides: [Vec<u32>; 2],
-    pub inner: Vec<u32>,
-    /// Runs of the sides: what tells that a face goes on where the other is interrupted.
-    pub runs: Vec<u32>,
-    /// Axes on one line have one row.
-    pub row: usize,
-}
-
-impl Axis {
-    /// Whether a drawn face is a side or a layer of it.
-    pub fn has_face(&self, face: u32) -> bool {
-        self.sides.iter().flatten().chain(&self.inner).any(|f| *f == face)
-    }
-}
-
-/// A drawn line on a wall layer that is no face: a pane, a sill, a leaf, a jamb.
-#[derive(Clone, Debug)]
-pub struct Spare {
-    pub carrier: Carrier,
-    pub span: Span,
-    pub faces: Vec<u32>,
-    pub is_cap: bool,
-}
 
 /// The axes of a drawing.
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 
 use glam::DVec2;
 
-use super::assembly::{Axis, Spare};
+use super::axis::{Axis, Spare};
 use super::carrier::Carrier;
 use super::evidence::{Band, Evidence, ordered, tips, trace};
 use super::near::Buckets;

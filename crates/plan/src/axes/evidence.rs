@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::assembly::Spare;
+use super::axis::Spare;
 use super::carrier::Carrier;
 use super::near::Buckets;
 use super::spans::{self, Span};

@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-use super::assembly::{Axes, Axis};
+use super::assembly::Axes;
+use super::axis::Axis;
 use super::carrier::Carrier;
 use super::columns::Column;
 use super::near::Buckets;

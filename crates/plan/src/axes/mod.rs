@@ -12,7 +12,9 @@
 //! There are no errors: what cannot be understood is a [`Leftover`] with its reason.
 
 mod assembly;
+mod axis;
 mod carrier;
+mod cell;
 mod columns;
 mod curves;
 mod cuts;

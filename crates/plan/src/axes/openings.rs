@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::assembly::{Axes, Axis};
+use super::assembly::Axes;
+use super::axis::Axis;
 use super::evidence::{BESIDE_M, Evidence, PANES, ordered, trace};
 use super::joints::{FreeEnd, Joined};
 use super::near::Buckets;

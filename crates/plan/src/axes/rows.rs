@@ -1,7 +1,7 @@
 //! Rows of equal lines: treads of a stair, boards, tiles. They are no walls.
 
+use super::cell::Cell;
 use super::spans;
-use super::strips::Cell;
 
 /// Fewest cells of a row.
 const CELLS_MIN: usize = 4;

@@ -8,6 +8,7 @@ use glam::DVec2;
 
 use super::Drawn;
 use super::carrier::Carrier;
+use super::cell::Cell;
 use super::near::Buckets;
 use super::rows;
 use super::runs::Run;
@@ -65,18 +66,6 @@ pub struct Paired {
     /// Runs that stand in rows of equal lines.
     pub in_row: Vec<bool>,
     pub thicknesses: Vec<(f64, f64)>,
-}
-
-/// The space between two neighbouring runs, `i` with `j` on its side `side[0]` (0 positive, 1 negative).
-#[derive(Clone, Debug)]
-pub struct Cell {
-    pub runs: [u32; 2],
-    pub side: [usize; 2],
-    /// On the first run.
-    pub span: Span,
-    pub t: f64,
-    /// What closed outlines say of it.
-    known: Known,
 }
 
 /// Finds the strips of wall among runs.

@@ -3,8 +3,8 @@
 use std::sync::LazyLock;
 
 use super::RoomKind;
-use enfilade_cad::layers::{is_joined, words};
 use enfilade_cad::names::{bare, folded};
+use enfilade_cad::names::{is_joined, words};
 
 /// Words of names, in the order in which one wins over another that stands beside it: `Bath / WC` is a bath, `Bedroom
 /// closet` storage. What is private wins over what is not, but for kitchens and living rooms with a utility corner.

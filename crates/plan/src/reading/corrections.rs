@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use super::super::hidden::Hidden;
 use enfilade_cad::drawing::{Drawing, Entity};
-use enfilade_cad::layers::base_name;
+use enfilade_cad::names::base_name;
 use enfilade_cad::names::{Pattern, folded};
 use enfilade_cad::own_layers::is_own;
 use enfilade_cad::roles::Role;

@@ -7,8 +7,7 @@
 use super::UnitSense;
 use super::clues::{Clues, Gap, Stated};
 use super::lengths::Length;
-use crate::frame::SMALL_PLAN_M;
-use crate::units::scales;
+use crate::frame::{SMALL_PLAN_M, scales};
 use enfilade_cad::drawing::Unit;
 use enfilade_cad::units::UNITS;
 

@@ -32,8 +32,9 @@ impl<'b> Reader<'b, '_, '_> {
         region: &Region,
         closings: &[Closing<'b>],
     ) -> Vec<Slot> {
-        let is_held =
-            |id: u64| marks::kept(self.b, id).is_some() || super::super::patch::refusal(self.b, id).is_some();
+        let is_held = |id: u64| {
+            marks::kept(self.b, id).is_some() || super::super::building::refusal(self.b, id).is_some()
+        };
         if is_held(wall.id) {
             return Vec::new();
         }

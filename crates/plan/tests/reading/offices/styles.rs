@@ -1,8 +1,6 @@
 //! How offices draw: a plan to a drawing.
 
-use enfilade_cad::drawing::{
-    Drawing, Editable, Entity, Format, IdleMarks, Layer, Shape, SourceRef, Unit, Vertex,
-};
+use enfilade_cad::drawing::{Drawing, Editable, Entity, Format, Layer, Shape, SourceRef, Unit, Vertex};
 use enfilade_plan::axes::{Drawn, Face, Mark, Role, paths_of};
 use glam::DVec2;
 
@@ -268,27 +266,12 @@ impl Sheet {
             format: Format::Dxf,
             version: "AC1027 (2013)".into(),
             declared_unit: self.office.declared,
-            unit_by_heights: None,
             declared_unit_words: self
                 .office
                 .declared
                 .map_or("no $INSUNITS".into(), |u| format!("$INSUNITS {}", u.name)),
             layers,
-            entities,
-            marked: Vec::new(),
-            idle_marks: IdleMarks::None,
-            hosts: Default::default(),
-            slots: Vec::new(),
-            bearing: Default::default(),
-            things: Vec::new(),
-            widths: Default::default(),
-            singles: Default::default(),
-            north_deg: 0.0,
-            undrawn: Vec::new(),
-            records: Vec::new(),
-            written: Default::default(),
-            fills: Vec::new(),
-            texts: Vec::new(),
+            ..Drawing::of(entities)
         }
     }
 }

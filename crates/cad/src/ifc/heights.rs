@@ -1,8 +1,8 @@
 //! How high and how large the elements of a building are.
 
-use super::super::Sight;
-use super::super::model::{Product, Storey, body_items, layer_reach};
-use super::Building;
+use super::Sight;
+use super::building::Building;
+use super::model::{Product, Storey, body_items, layer_reach};
 use crate::sizes::Sizes;
 use glam::DAffine3;
 
@@ -13,7 +13,7 @@ const SIZED_MAX: usize = 200;
 const DOOR_WIDTH: usize = 9;
 
 /// Heights of a storey's floor and of its cut, file units.
-pub(crate) fn heights(b: &Building<'_, '_>, storey: Option<&Storey>, sight: Sight) -> (f64, f64) {
+pub(super) fn heights(b: &Building<'_, '_>, storey: Option<&Storey>, sight: Sight) -> (f64, f64) {
     let above = sight.above_m() / b.geo.metres;
     let floor = storey.map_or_else(|| lowest(b, above), |s| s.floor);
     (floor, floor + above)

@@ -1,5 +1,10 @@
 //! Texts of a STEP file: the escapes `\X2\…\X0\`, `\X4\…\X0\`, `\X\hh`, `\S\c`, `''` and `\\`.
 
+/// A text with the escapes of a STEP file, as somebody copies it out of one.
+pub fn decoded(text: &str) -> String {
+    decode(text.as_bytes())
+}
+
 /// Decodes the bytes between the quotes; bytes that are no ASCII are taken as UTF-8, else as Latin-1 or Shift-JIS.
 pub(super) fn decode(raw: &[u8]) -> String {
     let mut out = String::new();

@@ -1,0 +1,301 @@
+//! Shortest and straightest paths through the visibility graph, and step depth from chosen cells.
+//!
+//! Definitions, names and the order of relaxation are depthmapX's, single-precision sums included, so
+//! that values can be compared cell by cell. Angles count 1 for a right angle.
+
+use enfilade_brief::column::{
+    ANGULAR_NODE_COUNT, ANGULAR_STEP_DEPTH, METRIC_NODE_COUNT, METRIC_STEP_LENGTH, METRIC_STEP_TURN,
+    VISUAL_STEP_DEPTH,
+};
+use enfilade_brief::{Measure, column_of};
+use rayon::prelude::*;
+
+use super::corners::{Corners, STRAIGHTEST_MAX};
+use super::measures::{Column, UNDEFINED, transpose};
+use super::paths::Paths;
+use super::walk::Walk;
+
+impl Paths<'_> {
+    /// `Metric Mean Shortest-Path Turn`, `… Distance`, `Metric Mean Straight-Line Distance` (metres),
+    /// `Metric Node Count`; means include the vertex itself. Paths longer than `radius_m` do not count.
+    pub fn metric_columns(&self, radius_m: Option<f64>) -> Vec<Column> {
+        let names = [
+            column_of(Measure::MetricAngle),
+            column_of(Measure::MetricDistance),
+            column_of(Measure::MetricStraight),
+            METRIC_NODE_COUNT,
+        ];
+        let limit = self.radius(radius_m);
+        let corners = Corners::shortest(self);
+        let in_metres = |cells: f64| (cells * self.spacing_m()) as f32;
+        let row = |walk: &mut Walk, v: usize| {
+            let root = self.slot_of_vertex[v];
+            walk.metric(self, corners.as_ref(), &[root], limit);
+            let mut sums = [0f32; 3];
+            for &(cost, slot) in &walk.reached {
+                sums[0] += walk.angle[slot as usize];
+                sums[1] += in_metres(f64::from(cost));
+                sums[2] += in_metres(self.length(root, slot));
+            }
+            let n = walk.reached.len() as f64;
+            let [angle, length, straight] = sums.map(|sum| f64::from(sum) / n);
+            [angle, length, straight, n]
+        };
+        self.all(names, radius_m, row)
+    }
+
+    /// `Angular Mean Depth`, `Angular Node Count`, `Angular Total Depth`. Paths of more than `radius`
+    /// right angles do not count.
+    pub fn angular_columns(&self, radius: Option<f64>) -> Vec<Column> {
+        let names = [column_of(Measure::AngularDepth), ANGULAR_NODE_COUNT, column_of(Measure::AngularTotal)];
+        let limit = radius.unwrap_or(f64::INFINITY);
+        let corners = Corners::straightest(self, STRAIGHTEST_MAX);
+        let row = |walk: &mut Walk, v: usize| {
+            walk.angular(self, corners.as_ref(), &[self.slot_of_vertex[v]], limit);
+            let total = f64::from(walk.reached.iter().map(|&(cost, _)| cost).sum::<f32>());
+            let n = walk.reached.len() as f64;
+            [total / n, n, total]
+        };
+        self.all(names, radius, row)
+    }
+
+    /// Visual, metric (metres) and angular depth of every vertex from the nearest of some vertices;
+    /// [`UNDEFINED`] where there is no way.
+    pub fn step_columns(&self, from: &[u32]) -> Vec<Column> {
+        let ranks: Vec<u32> = from.iter().map(|&v| self.graph.tiles.rank_of[v as usize]).collect();
+        let mut walk = Walk::new(self.graph);
+        let column = |name: &str, of_vertex: &dyn Fn(usize) -> f64| {
+            let values = (0..self.graph.len()).map(of_vertex).collect();
+            Column { name: name.to_string(), values }
+        };
+        let levels = self.levels(&ranks);
+        let mut columns = vec![column(VISUAL_STEP_DEPTH, &|v| levels[self.graph.tiles.rank_of[v] as usize])];
+        let roots: Vec<u32> = from.iter().map(|&v| self.slot_of_vertex[v as usize]).collect();
+        walk.metric(self, None, &roots, f64::INFINITY);
+        let defined = |walk: &Walk, v: usize, value: &dyn Fn(u32, f64) -> f64| {
+            let slot = self.slot_of_vertex[v];
+            let cost = f64::from(walk.cost[slot as usize]);
+            if cost.is_finite() { value(slot, cost) } else { UNDEFINED }
+        };
+        let turned = |slot: u32, _: f64| f64::from(walk.angle[slot as usize]);
+        columns.push(column(METRIC_STEP_TURN, &|v| defined(&walk, v, &turned)));
+        let length = |_: u32, cost: f64| cost * self.spacing_m();
+        columns.push(column(METRIC_STEP_LENGTH, &|v| defined(&walk, v, &length)));
+        walk.angular(self, None, &roots, f64::INFINITY);
+        columns.push(column(ANGULAR_STEP_DEPTH, &|v| defined(&walk, v, &|_, cost| cost)));
+        columns
+    }
+
+    fn levels(&self, roots: &[u32]) -> Vec<f64> {
+        let mut level = vec![UNDEFINED; self.graph.len()];
+        let mut queue: std::collections::VecDeque<u32> = roots.iter().copied().collect();
+        roots.iter().for_each(|&r| level[r as usize] = 0.0);
+        while let Some(at) = queue.pop_front() {
+            let next = level[at as usize] + 1.0;
+            self.graph.for_each_rank(at as usize, |to| {
+                if level[to] == UNDEFINED {
+                    level[to] = next;
+                    queue.push_back(to as u32);
+                }
+            });
+        }
+        level
+    }
+
+    fn all<const K: usize>(
+        &self,
+        names: [&str; K],
+        radius: Option<f64>,
+        row: impl Fn(&mut Walk, usize) -> [f64; K] + Sync + Send,
+    ) -> Vec<Column> {
+        let n = self.graph.len();
+        let rows: Vec<[f64; K]> = (0..n).into_par_iter().map_init(|| Walk::new(self.graph), row).collect();
+        let suffix = radius.map(|r| format!(" R{r}")).unwrap_or_default();
+        transpose(names.map(|name| format!("{name}{suffix}")), &rows)
+    }
+
+    fn radius(&self, radius_m: Option<f64>) -> f64 {
+        radius_m.map_or(f64::INFINITY, |r| r / self.spacing_m())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::lanes::Path;
+    use super::super::paths::Turning;
+    use super::super::{Lattice, Obstacles};
+    use super::super::{fixtures, visibility};
+    use super::*;
+    use crate::geometry::Segment;
+
+    /// Lengths, counts and angular depth agree to the last digits of float32. The angle turned along
+    /// the metric path depends on which of several equally short paths is taken, which the
+    /// reference does not tell: those means agree to 3 %, and over all vertices to 0.1 %.
+    #[test]
+    fn paths_equal_depthmapx() {
+        let Some((lattice, obstacles, header, rows)) = fixtures::n900() else { return };
+        let graph = visibility::visibility_graph(&lattice, &obstacles);
+        let paths = Paths::new(&lattice, &graph, &obstacles, Turning::AtWalls);
+        let seed = rows.iter().position(|r| r[0] == 131_074.0).unwrap() as u32;
+        let mut columns = paths.metric_columns(None);
+        columns.extend(paths.angular_columns(None));
+        columns.push(paths.step_columns(&[seed]).remove(0));
+        assert_eq!(columns.len(), 8);
+        for column in columns {
+            let theirs = column.name.replace("Shortest-Path Turn", "Shortest-Path Angle");
+            let k = header.iter().position(|h| *h == theirs).unwrap();
+            let limit = if theirs != column.name { 3e-2 } else { 1e-6 };
+            let (mut ours_sum, mut theirs_sum) = (0.0, 0.0);
+            for (v, row) in rows.iter().enumerate() {
+                let (ours, theirs) = (column.values[v], row[k]);
+                let error = (ours - theirs).abs() / theirs.abs().max(1e-3);
+                assert!(error <= limit, "{} of {}: {ours} {theirs}", column.name, row[0]);
+                ours_sum += ours;
+                theirs_sum += theirs;
+            }
+            let error: f64 = ours_sum / theirs_sum - 1.0;
+            assert!(error.abs() < 1e-3, "{}: {error}", column.name);
+        }
+    }
+
+    #[test]
+    fn around_a_corner() {
+        // A screen over the middle column leaves the top row open: the way round turns twice at 45 degrees.
+        let cells = (0..3).flat_map(|c| (0..2).map(move |r| [c, r])).collect();
+        let lattice = fixtures::lattice(1_000_000, [0, 0], cells);
+        let wall = Segment { a: [1_000_000, -500_000], b: [1_000_000, 500_000] };
+        let obstacles = Obstacles { segments: vec![wall], blind: vec![] };
+        let graph = visibility::visibility_graph(&lattice, &obstacles);
+        let paths = Paths::new(&lattice, &graph, &obstacles, Turning::Everywhere);
+        let columns = paths.step_columns(&[0]);
+        let value = |name: &str, v: usize| columns.iter().find(|c| c.name == name).unwrap().values[v];
+        assert_eq!(value(VISUAL_STEP_DEPTH, 4), 2.0);
+        assert!((value(METRIC_STEP_LENGTH, 4) - 2.0 * 2f64.sqrt()).abs() < 1e-6);
+        assert!((value(METRIC_STEP_TURN, 4) - 1.0).abs() < 1e-6);
+        assert!((value(ANGULAR_STEP_DEPTH, 4) - 1.0).abs() < 1e-6);
+        assert_eq!(value(VISUAL_STEP_DEPTH, 2), UNDEFINED);
+        let near = paths.metric_columns(Some(1.2));
+        assert_eq!(near.iter().find(|c| c.name == "Metric Node Count R1.2").unwrap().values[0], 2.0);
+    }
+
+    /// Plans with walls on and beside the cells, in a box that is not a multiple of a tile.
+    fn plans() -> impl Strategy<Value = (Lattice, Obstacles)> {
+        let wall = ((0i64..40, 0i64..40), (-8i64..9, -8i64..9), 0..3u8);
+        prop::collection::vec(wall, 0..40).prop_map(|walls| {
+            let segment = |((x, y), (dx, dy), kind): ((i64, i64), (i64, i64), u8)| {
+                let a = [x * 6, y * 6];
+                let by = [if kind == 0 { 0 } else { dx * 8 }, if kind == 1 { 0 } else { dy * 8 }];
+                Segment { a, b: [a[0] + by[0], a[1] + by[1]] }
+            };
+            let cells = (0..21).flat_map(|c| (0..19).map(move |r| [c, r])).collect();
+            let segments = walls.into_iter().map(segment).collect();
+            (fixtures::lattice(12, [0, 0], cells), Obstacles { segments, blind: vec![] })
+        })
+    }
+
+    /// Costs from a root by going through all cells in the order of their cost, every neighbour asked.
+    fn by_dijkstra(paths: &Paths<'_>, lattice: &Lattice, root: u32, is_metric: bool) -> Vec<f64> {
+        let n = lattice.cells.len();
+        let (mut cost, mut before, mut left) = (vec![f32::INFINITY; n], vec![u32::MAX; n], vec![false; n]);
+        cost[root as usize] = 0.0;
+        let offset = |a: u32, b: u32| {
+            let (a, b) = (lattice.cells[a as usize], lattice.cells[b as usize]);
+            [f64::from(b[0] - a[0]), f64::from(b[1] - a[1])]
+        };
+        let direction = |a, b| offset(a, b)[1].atan2(offset(a, b)[0]) / std::f64::consts::FRAC_PI_2;
+        while let Some(at) = (0..n)
+            .filter(|&v| !left[v] && cost[v].is_finite())
+            .min_by(|&a, &b| cost[a].total_cmp(&cost[b]).then(a.cmp(&b)))
+        {
+            left[at] = true;
+            let slot = paths.slot_of_vertex[at];
+            let may_turn = paths.turns[slot as usize >> 6] >> (slot & 63) & 1 == 1;
+            if cost[at] != 0.0 && !may_turn {
+                continue;
+            }
+            paths.graph.for_each_neighbour(at as u32, |to| {
+                let [x, y] = offset(at as u32, to);
+                let by = if is_metric {
+                    (x * x + y * y).sqrt()
+                } else if before[at] == u32::MAX {
+                    0.0
+                } else {
+                    let apart: f64 = (direction(at as u32, to) - direction(before[at], at as u32)).abs();
+                    apart.min(4.0 - apart)
+                };
+                let new = cost[at] + by as f32;
+                let is_better = if is_metric {
+                    f64::from(cost[at]) + by < f64::from(cost[to as usize])
+                } else {
+                    new < cost[to as usize]
+                };
+                if !left[to as usize] && is_better {
+                    (cost[to as usize], before[to as usize]) = (new, at as u32);
+                }
+            });
+        }
+        cost.into_iter().map(f64::from).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+
+        /// Lists of corners against none, every instruction set against every other, and all against a
+        /// plain search.
+        #[test]
+        fn every_way_of_walking_is_one((lattice, obstacles) in plans(), everywhere in any::<bool>()) {
+            let turning = if everywhere { Turning::Everywhere } else { Turning::AtWalls };
+            let graph = visibility::visibility_graph(&lattice, &obstacles);
+            let mut paths = Paths::new(&lattice, &graph, &obstacles, turning);
+            let corners = Corners::new(&paths);
+            let mut walk = Walk::new(&graph);
+            for root in (0..lattice.cells.len() as u32).step_by(37) {
+                let slot = [paths.slot_of_vertex[root as usize]];
+                let costs = |walk: &Walk| {
+                    let cost = paths.slot_of_vertex.iter().map(|&s| f64::from(walk.cost[s as usize]));
+                    cost.collect::<Vec<f64>>()
+                };
+                let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a == b || (a - b).abs() < 1e-4);
+                walk.metric(&paths, None, &slot, f64::INFINITY);
+                let plain = costs(&walk);
+                prop_assert!(near(&plain, &by_dijkstra(&paths, &lattice, root, true)));
+                walk.metric(&paths, Some(&corners), &slot, f64::INFINITY);
+                prop_assert!(near(&costs(&walk), &plain));
+            }
+            let best: Vec<Column> = paths.angular_columns(None);
+            for path in Path::available() {
+                paths.path = path;
+                prop_assert_eq!(&paths.angular_columns(None), &best);
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
+
+        /// Graphs too large for lists of straightest paths have the same angles, every instruction set.
+        #[test]
+        fn straightest_paths_need_no_lists((lattice, obstacles) in plans(), everywhere in any::<bool>()) {
+            let turning = if everywhere { Turning::Everywhere } else { Turning::AtWalls };
+            let graph = visibility::visibility_graph(&lattice, &obstacles);
+            let mut paths = Paths::new(&lattice, &graph, &obstacles, turning);
+            let corners = Corners::straightest(&paths, usize::MAX);
+            let cells = corners.as_ref().map_or(0, Corners::cells);
+            prop_assert!(cells == 0 || Corners::straightest(&paths, cells - 1).is_none());
+            prop_assert!(cells == 0 || cells > STRAIGHTEST_MAX || Corners::straightest(&paths, cells).is_some());
+            let mut walk = Walk::new(&graph);
+            for root in (0..lattice.cells.len() as u32).step_by(37) {
+                let slot = [paths.slot_of_vertex[root as usize]];
+                for path in Path::available() {
+                    paths.path = path;
+                    walk.angular(&paths, None, &slot, f64::INFINITY);
+                    let plain = walk.reached.clone();
+                    walk.angular(&paths, corners.as_ref(), &slot, f64::INFINITY);
+                    prop_assert_eq!(&walk.reached, &plain);
+                }
+            }
+        }
+    }
+}
