@@ -379,7 +379,7 @@ fn run(args: &RunArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
         if !is_json && !args.common.quiet {
             telling::summary(&result, args, &done.folder);
         }
-        let (shown, left) = telling::shown(&report, args.verbose || is_json);
+        let (shown, left) = telling::shown(&report, args.verbose || is_json, !result.candidates.is_empty());
         tell(&args.common, &shown);
         if left > 0 && !args.common.quiet {
             complain(format_args!("{}: --verbose shows them", counted(left as u64, "more note")));

@@ -13,6 +13,9 @@ use enfilade_report::{Report, Severity};
 /// Notes that stand in the short summary too: they qualify what the table says.
 const QUALIFYING: [&str; 1] = ["thresholds-lowered"];
 
+/// Notes that stand there where there is no option: what would help instead.
+const INSTEAD: [&str; 3] = ["work-allowed", "work-forbidden", "works-tried"];
+
 /// The summary of a round, `folder` being where its files are.
 pub(super) fn summary(result: &RoundResult, args: &RunArgs, folder: &Path) {
     let drawing = &args.file;
@@ -47,9 +50,10 @@ pub(super) fn summary(result: &RoundResult, args: &RunArgs, folder: &Path) {
 }
 
 /// The findings that the short summary shows, and how many notes it leaves out.
-pub(super) fn shown(report: &Report, is_verbose: bool) -> (Report, usize) {
+pub(super) fn shown(report: &Report, is_verbose: bool, has_options: bool) -> (Report, usize) {
     let is_shown = |code: &str, severity: Severity| {
-        is_verbose || severity > Severity::Info || QUALIFYING.contains(&code)
+        let is_wanted = QUALIFYING.contains(&code) || (!has_options && INSTEAD.contains(&code));
+        is_verbose || severity > Severity::Info || is_wanted
     };
     let mut out = report.clone();
     out.problems.retain(|p| is_shown(p.code, p.severity));
@@ -160,8 +164,11 @@ mod tests {
         report.info("thresholds-lowered", Place::default(), "lowered");
         report.warn("fewer", Place::default(), "3 options instead of 5");
         let codes = |r: &Report| r.problems.iter().map(|p| p.code).collect::<Vec<_>>();
-        let (short, left) = shown(&report, false);
+        let (short, left) = shown(&report, false, true);
         assert_eq!((codes(&short), left), (vec!["thresholds-lowered", "fewer"], 1));
-        assert_eq!(shown(&report, true), (report, 0));
+        report.info("work-allowed", Place::default(), "An opening of 1.8 m between Kitchen and Living room");
+        assert_eq!(codes(&shown(&report, false, true).0).len(), 2);
+        assert_eq!(codes(&shown(&report, false, false).0), ["thresholds-lowered", "fewer", "work-allowed"]);
+        assert_eq!(shown(&report, true, true), (report, 0));
     }
 }

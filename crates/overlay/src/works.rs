@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::canvas::Pen;
+use super::canvas::{Anchor, Canvas, Pen};
+use super::font::Weight;
 use super::frame::Frame;
 use super::heat_map::{HeatMap, draw_foot};
 use super::palette::{GREY, INK, Palette, Rgb, Scale};
@@ -76,7 +77,9 @@ pub struct WorkEntry {
     pub effort: Effort,
     /// Whether no rule forbids it.
     pub is_allowed: bool,
-    /// Codes of the rules that do.
+    /// Whether more of a private room is seen while that room's doors stand open.
+    pub shows_through_doors: bool,
+    /// Codes of the rules that forbid it.
     pub forbidden_by: Vec<String>,
 }
 
@@ -175,6 +178,9 @@ impl WorksResult {
     /// One line: title, gain, effort, and the rule of what is forbidden.
     pub fn line(&self, work: &WorkEntry) -> String {
         let mut line = format!("{}: {}{}", self.title(work), Self::gain_words(work), self.whole(work));
+        if work.is_allowed && work.shows_through_doors {
+            line += "; it shows more of a private room while that room's door stands open";
+        }
         if !work.is_allowed {
             line += &format!("; not offered: {}", self.rule_words(work));
         }
@@ -185,10 +191,12 @@ impl WorksResult {
     pub fn rule_words(&self, work: &WorkEntry) -> String {
         let private = || {
             let of = work.rooms.iter().flatten().filter_map(|id| self.rooms.iter().find(|r| r.id == *id));
-            of.filter(|r| r.is_private).map(|r| self.room_words(Some(r.id))).collect::<Vec<_>>().join(" and ")
+            let of = of.filter(|r| r.is_private).map(|r| self.room_words(Some(r.id))).collect::<Vec<_>>();
+            let verb = if of.len() == 1 { "stays" } else { "stay" };
+            format!("{} {verb}", of.join(" and "))
         };
         let one = |code: &String| match code.as_str() {
-            "private-room" => format!("{} stays private", private()),
+            "private-room" => format!("{} private", private()),
             "shows-private-room" => "more of a private room would be seen".into(),
             "thick-wall" => "the wall is thick enough to carry".into(),
             "bearing-wall" => "the wall is load-bearing".into(),
@@ -299,7 +307,8 @@ pub fn works_png(
     (title, subtitle): (&str, &str),
     longest_px: u32,
 ) -> Result<Vec<u8>, Error> {
-    let scale = Scale::of(walls.iter().filter(|w| w.is_allowed).map(|w| 100.0 * w.share).chain([0.0]));
+    let most = walls.iter().filter(|w| w.is_allowed).map(|w| 100.0 * w.share).fold(1.0, f64::max);
+    let scale = Scale::of([0.0, most]);
     let map = HeatMap {
         picture,
         cells: &[],
@@ -327,9 +336,22 @@ pub fn works_png(
         canvas.line(&wall.ends.map(|p| frame.to_px(p)), Pen::solid(GREY, width + 3.0 * frame.unit_px));
         canvas.line(&wall.ends.map(|p| frame.to_px(p)), Pen::solid(rgb, width));
     }
+    name_rooms(&mut canvas, &frame, picture);
     frame.head(&mut canvas, title, subtitle);
     draw_foot(&mut canvas, &frame, &map);
     canvas.into_png()
+}
+
+/// The words of each room, the first two lines.
+fn name_rooms(canvas: &mut Canvas, frame: &Frame, picture: &PlanPicture) {
+    let size = 19.0 * frame.unit_px;
+    for room in &picture.floor {
+        let [x, y] = frame.to_px(room.at);
+        for (i, words) in room.words.iter().take(2).enumerate() {
+            let at = [x, y + i as f32 * 1.3 * size];
+            canvas.text(words, at, Anchor::Middle, (size, Weight::Regular, GREY));
+        }
+    }
 }
 
 /// The plan behind coloured walls.

@@ -21,6 +21,7 @@ use enfilade_engine::graph::Graph;
 use enfilade_engine::measures::mean_depth;
 use enfilade_engine::visibility::visibility_graph;
 use enfilade_engine::{Lattice, Obstacles};
+use enfilade_overlay::PlanPicture;
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
 use enfilade_overlay::result::{self, Interval};
 use enfilade_overlay::works::{
@@ -28,6 +29,8 @@ use enfilade_overlay::works::{
     WorksResult, works_png,
 };
 use enfilade_plan::Plan;
+use enfilade_plan::axes::OpeningKind;
+use enfilade_plan::floor::Beside;
 use enfilade_report::{Cancel, Error, OutFile, Place, Report};
 use enfilade_works::counts::Present;
 use enfilade_works::rooms::rooms_of;
@@ -74,13 +77,15 @@ pub(crate) fn of_study(
     let Job { input, settings } = job;
     let base = &study.base;
     let sensed = Sensed::new(base, settings);
-    let rooms = rooms(study, settings, &sensed)?;
+    let known = rooms_with_kinds(base, &sensed, settings)?;
+    let rooms: Vec<Room> = known.iter().map(room).collect();
     let walls = walls(&base.plan, &base.axes);
     let is_kept: Vec<bool> = walls.iter().map(|w| is_kept(&base.plan, w)).collect();
     let obstacles = study.initial_obstacles();
     let graph = visibility_graph(&study.lattice, &obstacles);
     let room_of = rooms_of(&study.lattice, &rooms);
     let is_query = is_query(&study.lattice);
+    let shut = doors_of_private(&sensed, &rooms);
     let present = Present {
         plan: &base.plan,
         lattice: &study.lattice,
@@ -89,6 +94,7 @@ pub(crate) fn of_study(
         rooms: &rooms,
         room_of: &room_of,
         is_query: &is_query,
+        shut: &shut,
     };
     let site = Site { present, axes: &base.axes, walls: &walls, is_kept: &is_kept };
     let is_stopped = || cancel.check().is_err();
@@ -109,21 +115,21 @@ pub(crate) fn of_study(
         best: BestEntry { single: single.map(|e| e.id), tried: found.tried, legal: found.legal },
         works: entries,
     };
+    let shown = show::check_picture(base, &sensed, &known);
     let mut files = vec![OutFile::new("works.json", result::to_json(&result)?)];
-    files.push(OutFile::new("works.png", picture(study, &site, &found.works, input)?));
+    files.push(OutFile::new("works.png", picture(&shown, &site, &found.works, input)?));
     Ok((result, files))
 }
 
-/// The rooms with what they are for.
-fn rooms(study: &Study, settings: &Settings, sensed: &Sensed) -> Result<Vec<Room>, Error> {
-    let room = |r: crate::understand::rooms::Room| Room {
-        name: r.name.unwrap_or_default(),
+/// A room with what it is for.
+fn room(r: &crate::understand::rooms::Room) -> Room {
+    Room {
+        area: r.area.clone(),
+        name: r.name.clone().unwrap_or_default(),
         kind: r.found.kind.name().into(),
         is_private: r.found.is_private(),
         dwelling: r.found.dwelling,
-        area: r.area,
-    };
-    Ok(rooms_with_kinds(&study.base, sensed, settings)?.into_iter().map(room).collect())
+    }
 }
 
 /// Says the best works in the report of a round: where no layout helps, this does.
@@ -136,6 +142,18 @@ pub(crate) fn say_best(result: &WorksResult, report: &mut Report) {
         report.info("work-forbidden", place(), format!("{}.", result.line(work)));
     }
     report.info("works-tried", place(), result.proof());
+}
+
+/// The doors of private rooms, shut: whoever wants to be alone shuts the door.
+fn doors_of_private(sensed: &Sensed, rooms: &[Room]) -> Vec<Segment> {
+    let is_private = |b: &Beside| matches!(b, Beside::Room(r) if rooms.get(*r).is_some_and(|r| r.is_private));
+    let beside = sensed.floor.iter().flat_map(|f| &f.beside);
+    let doors = sensed
+        .gaps
+        .iter()
+        .zip(beside)
+        .filter(|(g, b)| g.kind == OpeningKind::Door && b.iter().any(is_private));
+    doors.map(|(g, _)| Segment { a: g.gap.jambs[0], b: g.gap.jambs[1] }).collect()
 }
 
 fn room_entries(rooms: &[Room]) -> Vec<RoomEntry> {
@@ -236,6 +254,7 @@ fn entry(
         gain,
         effort: Effort { demolished_m: mm(work.demolished_m), built_m: mm(work.built_m) },
         is_allowed: work.forbidden_by.is_empty(),
+        shows_through_doors: work.shows_through_doors,
         forbidden_by,
     }
 }
@@ -304,7 +323,12 @@ fn on_one(study: &Study, settings: &Settings, at: LatticeAt, changes: &[&Change]
 }
 
 /// Every wall in the colour of the best opening in it.
-fn picture(study: &Study, site: &Site<'_>, works: &[Work], input: &Input<'_>) -> Result<Vec<u8>, Error> {
+fn picture(
+    shown: &PlanPicture,
+    site: &Site<'_>,
+    works: &[Work],
+    input: &Input<'_>,
+) -> Result<Vec<u8>, Error> {
     let degrees = site.present.degrees().max(1) as f64;
     let mut best: BTreeMap<usize, (bool, i64)> = BTreeMap::new();
     for work in works.iter().filter(|w| matches!(w.kind, WorkKind::Open)) {
@@ -325,5 +349,5 @@ fn picture(study: &Study, site: &Site<'_>, works: &[Work], input: &Input<'_>) ->
     };
     let walls: Vec<ColouredWall> = best.iter().map(coloured).collect();
     let title = ("What an opening would bring", input.file());
-    works_png(&show::picture(&study.base), &walls, title, DEFAULT_SIDE_PX)
+    works_png(shown, &walls, title, DEFAULT_SIDE_PX)
 }

@@ -5,7 +5,7 @@
 //! So the gain of all openings in the wall, of any place and width, is counted from one list of such pairs: complete, at
 //! the cost of one visibility graph a wall.
 
-use enfilade_engine::geometry::PointUm;
+use enfilade_engine::geometry::{PointUm, Segment, segments_touch};
 use enfilade_engine::graph::Graph;
 use enfilade_engine::visibility::visibility_graph;
 use enfilade_engine::{Lattice, Obstacles};
@@ -28,8 +28,19 @@ pub struct Through {
     pub span_m: [f64; 2],
     /// How many ordered pairs of a vertex of query and one of reference this is: 1 or 2, or 0.
     pub weight: u32,
-    /// Whether more of a private room is seen from elsewhere.
-    pub is_private: bool,
+    /// What it shows of private rooms to somebody who is not in them.
+    pub shows: Shows,
+}
+
+/// What a view shows of private rooms to somebody who is not in them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shows {
+    /// Nothing.
+    Nothing,
+    /// Something while their doors stand open.
+    ThroughDoors,
+    /// Something whether or not their doors are shut.
+    Openly,
 }
 
 /// The present layout as it is seen.
@@ -49,6 +60,8 @@ pub struct Present<'a> {
     pub room_of: &'a [Option<RoomId>],
     /// Whether each vertex is one of query.
     pub is_query: &'a [bool],
+    /// The doors of private rooms, shut; drawing frame.
+    pub shut: &'a [Segment],
 }
 
 impl Present<'_> {
@@ -70,7 +83,16 @@ impl Present<'_> {
         sum
     }
 
-    /// Whether a view between two vertices shows a private room to somebody who is not in it.
+    /// What a view between two vertices shows of private rooms.
+    fn shows(&self, u: u32, v: u32) -> Shows {
+        if !self.shows_private(u, v) {
+            return Shows::Nothing;
+        }
+        let [a, b] = [u, v].map(|x| self.lattice.centre_um(x as usize));
+        let passes = |door: &Segment| segments_touch(*door, Segment { a, b });
+        if self.shut.iter().any(passes) { Shows::ThroughDoors } else { Shows::Openly }
+    }
+
     fn shows_private(&self, u: u32, v: u32) -> bool {
         let [a, b] = [u, v].map(|x| self.room_of[x as usize]);
         let is_private = |r: Option<RoomId>| r.is_some_and(|r| self.rooms[r.0].is_private);
@@ -104,8 +126,7 @@ impl Present<'_> {
                 if u < v && !self.graph.sees(u, v) {
                     let [a, b] = [u, v].map(|x| self.lattice.centre_um(x as usize));
                     let span_m = crossing(self.plan, wall, a, b);
-                    let (weight, is_private) = (self.weight(u, v), self.shows_private(u, v));
-                    out.push(Through { span_m, weight, is_private });
+                    out.push(Through { span_m, weight: self.weight(u, v), shows: self.shows(u, v) });
                 }
             });
         }
@@ -136,36 +157,41 @@ fn crossing(plan: &Plan, wall: &Wall, a: PointUm, b: PointUm) -> [f64; 2] {
 pub struct Counts {
     /// Pairs gained, ordered, for each place.
     pub gained: Vec<u64>,
-    /// Those that show a private room.
-    pub private: Vec<u64>,
+    /// Those that show a private room though its doors are shut.
+    pub openly: Vec<u64>,
+    /// Those that show one while its doors stand open.
+    pub through_doors: Vec<u64>,
 }
 
 /// Counts for openings of a width whose first jamb stands at `from_m + k · step_m`, for `places` places. An opening joins
 /// what crosses strictly between its jambs: a line that touches a jamb does not pass.
 pub fn counts(through: &[Through], from_m: f64, step_m: f64, places: usize, width_m: f64) -> Counts {
     // Rises where places begin to join a pair, falls behind the last.
-    let mut rise = vec![[0i64; 2]; places + 1];
-    for t in through.iter().filter(|t| t.weight > 0 || t.is_private) {
+    let mut rise = vec![[0i64; 3]; places + 1];
+    for t in through.iter().filter(|t| t.weight > 0 || t.shows != Shows::Nothing) {
         // from + k step < span[0] and span[1] < from + k step + width.
         let last = ((t.span_m[0] - TOUCH_M - from_m) / step_m).ceil() as i64 - 1;
         let first = ((t.span_m[1] + TOUCH_M - width_m - from_m) / step_m).floor() as i64 + 1;
         let (first, last) = (first.max(0), last.min(places as i64 - 1));
         if first <= last {
-            let by = [i64::from(t.weight), i64::from(t.is_private) * i64::from(t.weight.max(1))];
-            for k in 0..2 {
+            let is = |shows| i64::from(t.shows == shows);
+            let by = [i64::from(t.weight), is(Shows::Openly), is(Shows::ThroughDoors)];
+            for k in 0..3 {
                 rise[first as usize][k] += by[k];
                 rise[last as usize + 1][k] -= by[k];
             }
         }
     }
-    let mut sum = [0i64; 2];
-    let (mut gained, mut private) = (Vec::with_capacity(places), Vec::with_capacity(places));
+    let mut sums = [0i64; 3];
+    let mut out = [const { Vec::new() }; 3];
     for r in &rise[..places] {
-        sum = [sum[0] + r[0], sum[1] + r[1]];
-        gained.push(sum[0].max(0) as u64);
-        private.push(sum[1].max(0) as u64);
+        for k in 0..3 {
+            sums[k] += r[k];
+            out[k].push(sums[k].max(0) as u64);
+        }
     }
-    Counts { gained, private }
+    let [gained, openly, through_doors] = out;
+    Counts { gained, openly, through_doors }
 }
 
 #[cfg(test)]
@@ -178,12 +204,12 @@ mod tests {
         /// Each place counted for itself gives the same.
         #[test]
         fn all_places_at_once_as_one_by_one(
-            pairs in prop::collection::vec((0.0f64..6.0, 0.0f64..2.0, 0u32..3, any::<bool>()), 0..60),
+            pairs in prop::collection::vec((0.0f64..6.0, 0.0f64..2.0, 0u32..3), 0..60),
             width in 1usize..30,
         ) {
             let through: Vec<Through> = pairs
                 .iter()
-                .map(|&(s, d, weight, is_private)| Through { span_m: [s, s + d], weight, is_private })
+                .map(|&(s, d, weight)| Through { span_m: [s, s + d], weight, shows: Shows::Nothing })
                 .collect();
             let width = width as f64 * 0.1;
             let all = counts(&through, 0.35, 0.1, 40, width);

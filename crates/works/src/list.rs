@@ -7,7 +7,7 @@ use enfilade_plan::axes::AxisGraph;
 use rayon::prelude::*;
 
 use crate::change::Change;
-use crate::counts::{Counts, Present, STEP_M, Through, counts};
+use crate::counts::{Counts, Present, STEP_M, Shows, Through, counts};
 use crate::kind::WorkKind;
 use crate::rooms::{Room, RoomId};
 use crate::rule::{Rule, Thickness, between};
@@ -48,6 +48,8 @@ pub struct Work {
     pub built_m: f64,
     /// Change of the sum of degrees over the present cells, where it was counted.
     pub gained: i64,
+    /// Whether it shows more of a private room while that room's doors stand open.
+    pub shows_through_doors: bool,
     /// What forbids it; empty: allowed.
     pub forbidden_by: Vec<Rule>,
 }
@@ -205,15 +207,15 @@ impl Finder<'_> {
             let rules = self.rules(&[id], pair);
             out.tried += ks.len();
             if rules.is_empty() {
-                out.legal += ks.iter().filter(|k| found.private[**k] == 0).count();
+                out.legal += ks.iter().filter(|k| found.openly[**k] == 0).count();
             }
             let Some((k, shows)) = best(&found, &ks) else { continue };
             let mut forbidden_by = rules;
-            if shows && forbidden_by.iter().all(|r| !matches!(r, Rule::Private(_))) {
+            if shows == Shows::Openly && forbidden_by.iter().all(|r| !matches!(r, Rule::Private(_))) {
                 forbidden_by.push(Rule::ShowsPrivate);
             }
             let gained = found.gained[k] as i64;
-            self.push_opening(id, run, run.stretch(k), pair, (gained, &forbidden_by), out);
+            self.push_opening(id, run, run.stretch(k), pair, (gained, shows, &forbidden_by), out);
         }
     }
 
@@ -223,7 +225,7 @@ impl Finder<'_> {
         run: &Run<'_>,
         stretch: [f64; 2],
         rooms: Pair,
-        (gained, forbidden_by): (i64, &[Rule]),
+        (gained, shows, forbidden_by): (i64, Shows, &[Rule]),
         out: &mut Works,
     ) {
         let plan = self.site.present.plan;
@@ -248,6 +250,7 @@ impl Finder<'_> {
             demolished_m: run.width_m,
             built_m,
             gained,
+            shows_through_doors: shows == Shows::ThroughDoors,
             forbidden_by: forbidden_by.to_vec(),
         }));
     }
@@ -271,7 +274,7 @@ impl Finder<'_> {
             let stretch = [from, wall.length_m];
             let Some(pair) = self.pair(&wall, stretch) else { continue };
             let mut forbidden_by = self.rules(&[id], pair);
-            if found.private[0] > 0 {
+            if found.openly[0] > 0 {
                 forbidden_by.push(Rule::ShowsPrivate);
             }
             out.tried += 1;
@@ -290,6 +293,7 @@ impl Finder<'_> {
                 demolished_m: back,
                 built_m: 0.0,
                 gained: found.gained[0] as i64,
+                shows_through_doors: found.through_doors[0] > 0,
                 forbidden_by,
             });
         }
@@ -336,7 +340,8 @@ impl Finder<'_> {
         let Some(pair) = self.main_pair(line, stretch) else { return };
         let through = self.site.present.through(line, stretch);
         let mut forbidden_by = self.rules(&chain.walls, pair);
-        if through.iter().any(|t| t.is_private) && !forbidden_by.iter().any(|r| matches!(r, Rule::Private(_)))
+        if through.iter().any(|t| t.shows == Shows::Openly)
+            && !forbidden_by.iter().any(|r| matches!(r, Rule::Private(_)))
         {
             forbidden_by.push(Rule::ShowsPrivate);
         }
@@ -360,6 +365,7 @@ impl Finder<'_> {
             demolished_m: length - open,
             built_m: 0.0,
             gained: through.iter().map(|t| i64::from(t.weight)).sum(),
+            shows_through_doors: through.iter().any(|t| t.shows == Shows::ThroughDoors),
             forbidden_by,
         });
     }
@@ -424,6 +430,7 @@ impl Finder<'_> {
             demolished_m: 0.0,
             built_m: to - from,
             gained: lost,
+            shows_through_doors: false,
             forbidden_by,
         });
         self.rehung(chain, (index, [from, to]), pair, (&change, lost), out);
@@ -469,13 +476,13 @@ impl Finder<'_> {
             let found = counts(&through, first, step_m, places, width_m);
             let rules = self.rules(&chain.walls, pair);
             out.tried += places;
-            out.legal += if rules.is_empty() { found.private.iter().filter(|p| **p == 0).count() } else { 0 };
+            out.legal += if rules.is_empty() { found.openly.iter().filter(|p| **p == 0).count() } else { 0 };
             let ks: Vec<usize> = (0..places).collect();
             let Some((k, shows)) = best(&found, &ks) else { continue };
             let start = first + k as f64 * step_m;
             let stretch = [start, start + width_m];
             let mut forbidden_by = rules;
-            if shows && !forbidden_by.iter().any(|r| matches!(r, Rule::Private(_))) {
+            if shows == Shows::Openly && !forbidden_by.iter().any(|r| matches!(r, Rule::Private(_))) {
                 forbidden_by.push(Rule::ShowsPrivate);
             }
             out.works.push(Work {
@@ -492,6 +499,7 @@ impl Finder<'_> {
                 demolished_m: width_m - (to - from),
                 built_m: 0.0,
                 gained: found.gained[k] as i64,
+                shows_through_doors: shows == Shows::ThroughDoors,
                 forbidden_by,
             });
         }
@@ -565,6 +573,7 @@ impl Finder<'_> {
                 demolished_m: width_m,
                 built_m: width_m,
                 gained: lost + all.gained[k] as i64,
+                shows_through_doors: false,
                 forbidden_by: Vec::new(),
             };
             if found.as_ref().is_none_or(|f| f.gained < work.gained) {
@@ -595,13 +604,18 @@ impl Finder<'_> {
     }
 }
 
-/// The best of some places: the best that shows no private room, else the best; and whether it shows one.
-fn best(found: &Counts, ks: &[usize]) -> Option<(usize, bool)> {
-    let most = |of: &dyn Fn(&usize) -> bool| {
-        ks.iter().copied().filter(|k| of(k)).max_by_key(|k| (found.gained[*k], usize::MAX - k))
+/// The best of some places: of those that show no private room at all, else of those that show one only through its
+/// doors, else of all; and what it shows.
+fn best(found: &Counts, ks: &[usize]) -> Option<(usize, Shows)> {
+    let most = |of: &dyn Fn(usize) -> bool| {
+        ks.iter().copied().filter(|k| of(*k)).max_by_key(|k| (found.gained[*k], usize::MAX - k))
     };
-    let quiet = most(&|k| found.private[*k] == 0).filter(|k| found.gained[*k] > 0);
-    quiet.map(|k| (k, false)).or_else(|| most(&|_| true).map(|k| (k, found.private[k] > 0)))
+    let gains = |k: &usize| found.gained[*k] > 0;
+    let quiet = most(&|k| found.openly[k] == 0 && found.through_doors[k] == 0).filter(gains);
+    let shut = || most(&|k| found.openly[k] == 0).filter(gains).map(|k| (k, Shows::ThroughDoors));
+    let any =
+        || most(&|_| true).map(|k| (k, if found.openly[k] > 0 { Shows::Openly } else { Shows::Nothing }));
+    quiet.map(|k| (k, Shows::Nothing)).or_else(shut).or_else(any)
 }
 
 fn same(a: Pair, b: Pair) -> bool {

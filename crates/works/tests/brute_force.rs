@@ -81,6 +81,7 @@ fn every_opening_gains_what_it_is_counted_for() {
         rooms: &rooms,
         room_of: &room_of,
         is_query: &is_query,
+        shut: &[],
     };
     let walls = walls(&plan, &axes);
     let partition = walls
@@ -128,6 +129,7 @@ fn found(rooms: &[Room]) -> Vec<(WorkKind, i64, Vec<Rule>)> {
         rooms,
         room_of: &room_of,
         is_query: &is_query,
+        shut: &[],
     };
     let walls = walls(&plan, &axes);
     let is_kept = vec![false; walls.len()];
