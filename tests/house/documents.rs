@@ -267,7 +267,7 @@ fn the_commands_of_the_readme_work() {
     let text = read("README.md").text;
     let (code, _) = parted(&text);
     let lines: Vec<&str> = code.into_iter().filter(|l| l.starts_with("enfilade ")).collect();
-    assert_eq!(lines.len(), 3);
+    assert_eq!(lines.len(), 4);
     for line in lines {
         let mut words = words(line);
         if words[1] == "run" {
@@ -279,8 +279,12 @@ fn the_commands_of_the_readme_work() {
         // 1: fewer options than wanted, after so few layouts.
         assert!(matches!(output.status.code(), Some(0 | 1)), "{line}: {:?}\n{said}", output.status);
     }
-    for name in ["check.png", "plan.enfilade/round-01/report.html", "plan.enfilade/round-01/candidate-1.dxf"]
-    {
+    for name in [
+        "check.png",
+        "works.png",
+        "plan.enfilade/round-01/report.html",
+        "plan.enfilade/round-01/candidate-1.dxf",
+    ] {
         assert!(folder.path().join(name).is_file(), "{name}");
     }
     assert!(folder.path().join("plan-r02.dxf").is_file());

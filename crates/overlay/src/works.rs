@@ -342,12 +342,15 @@ pub fn works_png(
     canvas.into_png()
 }
 
-/// The words of each room, the first two lines.
+/// The words of each room, the first two lines, where the room is wide enough for them.
 fn name_rooms(canvas: &mut Canvas, frame: &Frame, picture: &PlanPicture) {
     let size = 19.0 * frame.unit_px;
     for room in &picture.floor {
         let [x, y] = frame.to_px(room.at);
-        for (i, words) in room.words.iter().take(2).enumerate() {
+        let across = room.rings.iter().flatten().map(|p| frame.to_px(*p)[0]);
+        let (lo, hi) = across.fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));
+        let fits = |words: &&String| super::font::width_px(words, size, Weight::Regular) <= hi - lo;
+        for (i, words) in room.words.iter().take(2).take_while(fits).enumerate() {
             let at = [x, y + i as f32 * 1.3 * size];
             canvas.text(words, at, Anchor::Middle, (size, Weight::Regular, GREY));
         }

@@ -32,7 +32,7 @@ use enfilade_plan::Plan;
 use enfilade_plan::axes::OpeningKind;
 use enfilade_plan::floor::Beside;
 use enfilade_report::{Cancel, Error, OutFile, Place, Report};
-use enfilade_works::counts::Present;
+use enfilade_works::counts::{Present, degrees};
 use enfilade_works::rooms::rooms_of;
 use enfilade_works::walls::{Wall, walls};
 use enfilade_works::{Change, Room, Site, Work, WorkKind, works};
@@ -196,7 +196,7 @@ fn listed(all: &[Work]) -> Vec<&Work> {
 
 fn entries(study: &Study, settings: &Settings, site: &Site<'_>, works: &[&Work]) -> Vec<WorkEntry> {
     let present = &site.present;
-    let degrees = present.degrees().max(1) as f64;
+    let all = present.degrees().max(1) as f64;
     let steps_now = steps(present.lattice, present.graph);
     let confirmed = confirmed(study, settings, works);
     // The best of either sort have their steps counted.
@@ -211,7 +211,7 @@ fn entries(study: &Study, settings: &Settings, site: &Site<'_>, works: &[&Work])
         .collect();
     let one = |(i, work): (usize, &&Work)| {
         let mut gain = BTreeMap::new();
-        let share = work.gained as f64 / degrees;
+        let share = work.gained as f64 / all;
         let sure = confirmed.get(&i).copied().map_or(WorkGain { share, low: None, high: None }, |c| c.into());
         gain.insert(VISIBILITY.to_owned(), sure);
         if with_steps[i] {
@@ -310,12 +310,7 @@ fn on_one(study: &Study, settings: &Settings, at: LatticeAt, changes: &[&Change]
     let obstacles = on.initial_obstacles();
     let degrees = |segments: Vec<Segment>| {
         let obstacles = Obstacles { segments, blind: obstacles.blind.clone() };
-        let graph = visibility_graph(&on.lattice, &obstacles);
-        let mut sum = 0u64;
-        for &v in &on.lattice.query {
-            graph.for_each_neighbour(v, |u| sum += u64::from(on.lattice.is_reference[u as usize]));
-        }
-        sum as f64
+        degrees(&on.lattice, &visibility_graph(&on.lattice, &obstacles)) as f64
     };
     let now = degrees(obstacles.segments.clone());
     let gain = |c: &&Change| (degrees(c.apply(&obstacles.segments)) - now) / now.max(1.0);
@@ -329,7 +324,7 @@ fn picture(
     works: &[Work],
     input: &Input<'_>,
 ) -> Result<Vec<u8>, Error> {
-    let degrees = site.present.degrees().max(1) as f64;
+    let all = site.present.degrees().max(1) as f64;
     let mut best: BTreeMap<usize, (bool, i64)> = BTreeMap::new();
     for work in works.iter().filter(|w| matches!(w.kind, WorkKind::Open)) {
         for w in &work.walls {
@@ -343,7 +338,7 @@ fn picture(
         ColouredWall {
             ends: [0.0, wall.length_m].map(|t| wall.point(t, 0.0).to_array()),
             thickness_m: wall.thickness_m,
-            share: *gained as f64 / degrees,
+            share: *gained as f64 / all,
             is_allowed: *is_allowed,
         }
     };

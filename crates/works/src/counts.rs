@@ -5,6 +5,7 @@
 //! So the gain of all openings in the wall, of any place and width, is counted from one list of such pairs: complete, at
 //! the cost of one visibility graph a wall.
 
+use enfilade_engine::forest::tally_of;
 use enfilade_engine::geometry::{PointUm, Segment, segments_touch};
 use enfilade_engine::graph::Graph;
 use enfilade_engine::visibility::visibility_graph;
@@ -65,13 +66,9 @@ pub struct Present<'a> {
 }
 
 impl Present<'_> {
-    /// The pairs of the lattice that see each other over what visible pairs there are: the present sum of degrees.
+    /// Ordered pairs of a vertex of query and one of reference that see each other: the sum of degrees.
     pub fn degrees(&self) -> u64 {
-        let mut sum = 0;
-        for &v in &self.lattice.query {
-            self.graph.for_each_neighbour(v, |u| sum += u64::from(self.lattice.is_reference[u as usize]));
-        }
-        sum
+        degrees(self.lattice, self.graph)
     }
 
     /// How many ordered pairs show a private room to somebody who is not in it.
@@ -132,6 +129,11 @@ impl Present<'_> {
         }
         out
     }
+}
+
+/// Ordered pairs of a vertex of query and one of reference that see each other.
+pub fn degrees(lattice: &Lattice, graph: &Graph) -> u64 {
+    tally_of(lattice, graph, Some(&[]), None).degree.iter().map(|d| u64::from(*d)).sum()
 }
 
 /// Where a line crosses the two faces of a wall, metres along its axis, ascending.
