@@ -187,14 +187,14 @@ pub fn chains(walls: &[Wall], axes: &AxisGraph) -> Vec<Chain> {
         }
         let (mut parts, mut openings) = (vec![WallId(first)], Vec::new());
         let mut ends = [(WallId(first), 0), (WallId(first), 1)];
-        for side in 0..2 {
-            while let Some((o, next, end)) = beyond((ends[side].0.0, ends[side].1)) {
+        for last in &mut ends {
+            while let Some((o, next, end)) = beyond((last.0.0, last.1)) {
                 if std::mem::replace(&mut is_taken[next], true) {
                     break;
                 }
                 openings.push(o);
                 parts.push(WallId(next));
-                ends[side] = (WallId(next), 1 - end);
+                *last = (WallId(next), 1 - end);
             }
         }
         openings.sort_unstable();

@@ -220,6 +220,11 @@ impl Interior {
         self.inside.len()
     }
 
+    /// Whether it has no pixel.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// Whether a pixel lies on a wall or on what closes a gap in one.
     pub fn is_wall(&self, pixel: usize) -> bool {
         self.raster.wall[pixel]

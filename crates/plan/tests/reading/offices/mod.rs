@@ -1,6 +1,7 @@
 //! Offices: the same plans drawn in the styles of many of them, and how much of a plan was understood.
 
 #![allow(dead_code)]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 pub mod plans;
 pub mod score;
