@@ -45,7 +45,14 @@ impl Square {
                 break;
             }
         }
-        Some(Eigen { values: (0..self.rows).map(|i| a[(i, i)]).collect(), vectors })
+        // Ascending, so that each random number keeps its axis from one decomposition to the next.
+        let mut order: Vec<usize> = (0..self.rows).collect();
+        order.sort_by(|i, j| a[(*i, *i)].total_cmp(&a[(*j, *j)]));
+        let mut sorted = vectors.clone();
+        for (to, from) in order.iter().enumerate() {
+            (0..self.rows).for_each(|row| sorted[(row, to)] = vectors[(row, *from)]);
+        }
+        Some(Eigen { values: order.iter().map(|i| a[(*i, *i)]).collect(), vectors: sorted })
     }
 
     /// Turns rows and columns `p` and `q` so that their common entry is zero, unless it is already as small as rounding.

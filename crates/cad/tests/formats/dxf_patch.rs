@@ -380,7 +380,9 @@ fn additions_that_cannot_be_drawn_are_refused() {
 
 fn without_lines(mut drawing: Drawing) -> Drawing {
     let shapes = drawing.entities.iter_mut().chain(&mut drawing.fills).map(|e| &mut e.source);
-    shapes.chain(drawing.texts.iter_mut().map(|t| &mut t.source)).for_each(|s| s.line = 0);
+    shapes
+        .chain(drawing.texts.iter_mut().chain(&mut drawing.tags).map(|t| &mut t.source))
+        .for_each(|s| s.line = 0);
     drawing
 }
 
