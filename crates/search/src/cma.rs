@@ -3,12 +3,12 @@
 
 use std::collections::VecDeque;
 
+use faer::{Mat, Side};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::space::reflect;
-use super::square::Square;
 
 /// Where samples may lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,9 +100,9 @@ pub struct Cma {
     first_sigma: f64,
     path_sigma: Vec<f64>,
     path_c: Vec<f64>,
-    covariance: Square,
+    covariance: Mat<f64>,
     /// Eigenvectors as columns and square roots of the eigenvalues.
-    basis: Square,
+    basis: Mat<f64>,
     scales: Vec<f64>,
     generation: u64,
     steps: Vec<Vec<f64>>,
@@ -123,8 +123,8 @@ impl Cma {
             first_sigma: sigma,
             path_sigma: vec![0.0; n],
             path_c: vec![0.0; n],
-            covariance: Square::identity(n),
-            basis: Square::identity(n),
+            covariance: Mat::identity(n, n),
+            basis: Mat::identity(n, n),
             scales: vec![1.0; n],
             generation: 0,
             steps: vec![],
@@ -228,18 +228,18 @@ impl Cma {
     }
 
     fn decompose(&mut self) {
-        let Some(eigen) = self.covariance.eigen() else {
+        let Ok(eigen) = self.covariance.self_adjoint_eigen(Side::Lower) else {
             self.stop = Some(CmaStop::IllConditioned);
             return;
         };
-        let values = &eigen.values;
+        let values: Vec<f64> = eigen.S().column_vector().iter().copied().collect();
         let (least, most) = values.iter().fold((f64::INFINITY, 0.0f64), |(a, b), &v| (a.min(v), b.max(v)));
         if least.is_nan() || least <= 0.0 || most > CONDITION_LIMIT * least {
             self.stop = Some(CmaStop::IllConditioned);
             return;
         }
         self.scales = values.iter().map(|v| v.sqrt()).collect();
-        self.basis = eigen.vectors;
+        self.basis = eigen.U().to_owned();
     }
 
     fn look_for_stop(&mut self, best: f64, worst: f64) {

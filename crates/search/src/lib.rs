@@ -57,7 +57,6 @@ mod method;
 mod models;
 mod space;
 mod spread;
-mod square;
 mod surrogate;
 mod tuning;
 
