@@ -296,13 +296,10 @@ fn follow(code: &str, before: &[String], found: &mut dyn FnMut(Vec<String>)) {
     }
 }
 
-/// Crates whose files are not yet untied.
-const STILL_TIED: &[&str] = &["crates/pipeline/src"];
-
 /// Circles of imports between files of one crate. A module and what lies inside it are one room: the inner ones may name
 /// what the outer one holds.
 fn circle_faults(sources: &[Source]) -> Vec<String> {
-    let is_own = |s: &&Source| source_root(&s.path).is_some_and(|root| !STILL_TIED.contains(&root));
+    let is_own = |s: &&Source| source_root(&s.path).is_some();
     let files: BTreeMap<&str, &Source> = sources
         .iter()
         .filter(|s| !s.product.is_empty())

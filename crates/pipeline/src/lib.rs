@@ -36,7 +36,8 @@ use confirm::found::{Found, found};
 use enfilade_config::Settings;
 use enfilade_overlay::PlanPicture;
 use enfilade_overlay::result::RoundResult;
-use enfilade_report::{Cancel, Error, Report};
+use enfilade_overlay::works::WorksResult;
+use enfilade_report::{Cancel, Error, OutFile, Report};
 use job::{Job, Watch};
 use round::Round;
 use search::brief::{Brief, is_bare};
@@ -100,9 +101,7 @@ fn round(
     let round = Round::new(Job { settings, ..job }, study, started);
     round.state_asked(&mut report);
     let found = if round.is_open() { Some(options(&round, &report, watch)?) } else { None };
-    let listed = if is_bare(settings) { None } else { Some(works::of_study(round.job, study, watch.cancel)) };
-    // Whoever stops the search keeps its best, not the list.
-    let listed = listed.and_then(Result::ok);
+    let listed = if is_bare(settings) { None } else { list_works(&round, watch.cancel)? };
     if let Some((works, _)) = &listed {
         works::say_best(works, &mut report);
     }
@@ -111,6 +110,14 @@ fn round(
     outcome.files.extend(listed.into_iter().flat_map(|l| l.1));
     outcome.files.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(outcome)
+}
+
+/// The building works of the present layout; `None` where somebody stops the job: he keeps the best of its search.
+fn list_works(round: &Round<'_>, cancel: &Cancel) -> Result<Option<(WorksResult, Vec<OutFile>)>, Error> {
+    match works::of_study(round.job, round.study, cancel) {
+        Err(Error::Stopped) => Ok(None),
+        listed => listed.map(Some),
+    }
 }
 
 /// What a round finds: a search, and what is confirmed of it. The best so far is handed out as often as the settings say.

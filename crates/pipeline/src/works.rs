@@ -126,8 +126,7 @@ fn room(r: &crate::understand::rooms::Room) -> Room {
     Room {
         area: r.area.clone(),
         name: r.name.clone().unwrap_or_default(),
-        kind: r.found.kind.name().into(),
-        is_private: r.found.is_private(),
+        kind: r.found.kind,
         dwelling: r.found.dwelling,
     }
 }
@@ -146,7 +145,8 @@ pub(crate) fn say_best(result: &WorksResult, report: &mut Report) {
 
 /// The doors of private rooms, shut: whoever wants to be alone shuts the door.
 fn doors_of_private(sensed: &Sensed, rooms: &[Room]) -> Vec<Segment> {
-    let is_private = |b: &Beside| matches!(b, Beside::Room(r) if rooms.get(*r).is_some_and(|r| r.is_private));
+    let is_private =
+        |b: &Beside| matches!(b, Beside::Room(r) if rooms.get(*r).is_some_and(|r| r.kind.is_private()));
     let beside = sensed.floor.iter().flat_map(|f| &f.beside);
     let doors = sensed
         .gaps
@@ -161,8 +161,8 @@ fn room_entries(rooms: &[Room]) -> Vec<RoomEntry> {
     let entry = |(i, room): (usize, &Room)| RoomEntry {
         id: i + 1,
         name: room.name.clone(),
-        kind: room.kind.clone(),
-        is_private: room.is_private,
+        kind: room.kind.name().into(),
+        is_private: room.kind.is_private(),
         dwelling: room.dwelling.map(|d| d + 1),
         area_m2: (room.area.area_m2 * 100.0).round() / 100.0,
         at: room.area.at.map(m),

@@ -92,7 +92,7 @@ impl Present<'_> {
 
     fn shows_private(&self, u: u32, v: u32) -> bool {
         let [a, b] = [u, v].map(|x| self.room_of[x as usize]);
-        let is_private = |r: Option<RoomId>| r.is_some_and(|r| self.rooms[r.0].is_private);
+        let is_private = |r: Option<RoomId>| r.is_some_and(|r| self.rooms[r.0].kind.is_private());
         a != b && (is_private(a) || is_private(b))
     }
 

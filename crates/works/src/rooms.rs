@@ -3,6 +3,7 @@
 use enfilade_engine::Lattice;
 use enfilade_engine::geometry::{PointUm, Side, side_of_ring};
 use enfilade_plan::floor::Area;
+use enfilade_plan::kinds::RoomKind;
 
 /// A room, by its place in the list of rooms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -15,10 +16,8 @@ pub struct Room {
     pub area: Area,
     /// What people call it; empty where nothing does.
     pub name: String,
-    /// What it is for, in one word.
-    pub kind: String,
-    /// Whether nothing more of it may be seen from elsewhere.
-    pub is_private: bool,
+    /// What it is for; it says too whether nothing more of it may be seen from elsewhere.
+    pub kind: RoomKind,
     /// Its dwelling, where there are several.
     pub dwelling: Option<usize>,
 }

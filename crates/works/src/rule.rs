@@ -2,6 +2,7 @@
 
 use enfilade_cad::bearing::Bearing;
 use enfilade_plan::Plan;
+use enfilade_plan::kinds::RoomKind;
 
 use crate::rooms::{Room, RoomId};
 use crate::walls::Wall;
@@ -103,7 +104,7 @@ pub fn between(
     if wall.bearing.is_none() && thickness.carries(wall) {
         out.push(Rule::Thick);
     }
-    let outside = |r: RoomId| rooms[r.0].kind == "outside";
+    let outside = |r: RoomId| rooms[r.0].kind == RoomKind::Outside;
     if outside(a) || outside(b) {
         out.push(Rule::Outer);
     }
@@ -114,7 +115,7 @@ pub fn between(
         out.push(Rule::Dwellings);
     }
     if a != b {
-        out.extend([a, b].into_iter().filter(|r| rooms[r.0].is_private).map(Rule::Private));
+        out.extend([a, b].into_iter().filter(|r| rooms[r.0].kind.is_private()).map(Rule::Private));
     }
     out
 }

@@ -9,6 +9,7 @@ use enfilade_engine::{Lattice, Obstacles};
 use enfilade_fixtures::{Draw, empty};
 use enfilade_plan::axes::AxisGraph;
 use enfilade_plan::floor::Area;
+use enfilade_plan::kinds::RoomKind;
 use enfilade_plan::{Plan, PlanOptions, structure, understand};
 use enfilade_report::Report;
 use enfilade_works::counts::{Present, counts};
@@ -40,12 +41,12 @@ fn house() -> (Drawing, Plan, AxisGraph) {
     (d, plan, axes)
 }
 
-fn room(x: [f64; 2], name: &str, is_private: bool) -> Room {
+fn room(x: [f64; 2], kind: RoomKind) -> Room {
     let um = |v: f64| (v * 1e6).round() as i64;
     let outline = [[x[0], 0.0], [x[1], 0.0], [x[1], 5.0], [x[0], 5.0]].map(|p| p.map(um)).to_vec();
     let at = [um((x[0] + x[1]) / 2.0), um(2.5)];
     let area = Area { outline, area_m2: (x[1] - x[0]) * 5.0, at, ..Area::default() };
-    Room { area, name: name.into(), kind: String::new(), is_private, dwelling: None }
+    Room { area, name: String::new(), kind, dwelling: None }
 }
 
 fn lattice() -> Lattice {
@@ -69,7 +70,8 @@ fn degrees(lattice: &Lattice, segments: Vec<Segment>) -> u64 {
 fn every_opening_gains_what_it_is_counted_for() {
     let (_, plan, axes) = house();
     let segments: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
-    let (lattice, rooms) = (lattice(), [room([0.0, 5.95], "A", false), room([6.05, 10.0], "B", false)]);
+    let (lattice, rooms) =
+        (lattice(), [room([0.0, 5.95], RoomKind::Living), room([6.05, 10.0], RoomKind::Kitchen)]);
     let obstacles = Obstacles { segments: segments.clone(), blind: Vec::new() };
     let graph = visibility_graph(&lattice, &obstacles);
     let (room_of, is_query) = (rooms_of(&lattice, &rooms), vec![true; lattice.cells.len()]);
@@ -145,7 +147,7 @@ fn found(rooms: &[Room]) -> Vec<(WorkKind, i64, Vec<Rule>)> {
 
 #[test]
 fn every_work_gains_what_it_is_said_to() {
-    let works = found(&[room([0.0, 5.95], "A", false), room([6.05, 10.0], "B", false)]);
+    let works = found(&[room([0.0, 5.95], RoomKind::Living), room([6.05, 10.0], RoomKind::Kitchen)]);
     let has = |kind| works.iter().find(|w| w.0 == kind && w.2.is_empty());
     for kind in [WorkKind::Open, WorkKind::Door, WorkKind::Glaze, WorkKind::Widen, WorkKind::Remove] {
         assert!(has(kind).is_some_and(|w| w.1 > 0), "{kind:?}: {works:?}");
@@ -158,6 +160,6 @@ fn every_work_gains_what_it_is_said_to() {
 
 #[test]
 fn nothing_is_opened_into_a_private_room() {
-    let works = found(&[room([0.0, 5.95], "Living", false), room([6.05, 10.0], "Bedroom", true)]);
+    let works = found(&[room([0.0, 5.95], RoomKind::Living), room([6.05, 10.0], RoomKind::Bedroom)]);
     assert!(works.iter().filter(|w| w.1 > 0).all(|w| !w.2.is_empty()), "{works:?}");
 }
