@@ -78,6 +78,10 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # kind = "query"                       # query, reference, keep
 # pair = "entrance"                    # of a named pair; without it, of the unnamed one
 # points = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]
+# [[work]]                             # a building work that is decided: the plan is read as it will be
+# kind = "open"                        # open, remove, new: as EF-OPEN, EF-REMOVE and EF-NEW
+# points = [[3.7, 2.0], [4.3, 2.0], [4.3, 3.2], [3.7, 3.2]]
+# text = "door 0.9m"                   # or "glass"; of what is new its thickness
 
 # The daemon
 # [watch]

@@ -5,7 +5,7 @@
 //! frozen are marked but their entities are present. Nothing about walls has been decided yet.
 
 use enfilade_report::Place;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DAffine2, DVec2};
 
@@ -373,6 +373,8 @@ pub struct Drawing {
     pub written: Written,
     /// Where the file says that north is: degrees anticlockwise from the drawing's up; 0 where it says nothing.
     pub north_deg: f64,
+    /// Records of walls that the file says are to be built.
+    pub built: BTreeSet<usize>,
 }
 
 /// A frame of its own in which a file holds places in numbers of single precision.
@@ -562,6 +564,7 @@ impl Drawing {
             records: Vec::new(),
             written: Written::default(),
             north_deg: 0.0,
+            built: Default::default(),
         }
     }
 }

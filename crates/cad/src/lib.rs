@@ -35,6 +35,7 @@ pub mod names;
 pub mod own_layers;
 pub mod plane;
 mod region;
+pub mod rings;
 pub mod roles;
 pub mod sizes;
 mod splice;

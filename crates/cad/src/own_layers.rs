@@ -12,6 +12,16 @@ pub const MOVE: &str = "EF-MOVE";
 pub const CLAUSES: [&str; 6] = ["x", "y", "along", "rotate", "scale", "name"];
 /// What must stay.
 pub const KEEP: &str = "EF-KEEP";
+/// Stretches of wall that are to be opened.
+pub const OPEN: &str = "EF-OPEN";
+/// Pieces of wall that are to go.
+pub const REMOVE: &str = "EF-REMOVE";
+/// Walls that are to be built.
+pub const NEW: &str = "EF-NEW";
+/// What was demolished: no wall any more.
+pub const DEMOLISHED: &str = "EF-DEMOLISHED";
+/// All layers of marks.
+pub const MARKS: [&str; 7] = [MOVE, KEEP, QUERY, REFERENCE, OPEN, REMOVE, NEW];
 
 /// Moved elements are traced here.
 pub const MOVED: &str = "EF-MOVED";
@@ -19,6 +29,8 @@ pub const MOVED: &str = "EF-MOVED";
 pub const BEFORE: &str = "EF-BEFORE";
 /// What moved and what it gains.
 pub const NOTE: &str = "EF-NOTE";
+/// What one opening in each wall would bring.
+pub const WORKS: &str = "EF-WORKS";
 /// Layers of coloured cells start so.
 pub const HEAT_PREFIX: &str = "EF-HEAT-";
 
@@ -57,28 +69,34 @@ pub fn name_in(text: &str) -> Option<String> {
 /// Whether results are drawn on a layer (the user's marks are not).
 pub fn is_result(layer: &str) -> bool {
     let begins = layer.get(..HEAT_PREFIX.len()).is_some_and(|p| p.eq_ignore_ascii_case(HEAT_PREFIX));
-    begins || [MOVED, BEFORE, NOTE].iter().any(|l| l.eq_ignore_ascii_case(layer))
+    begins || [MOVED, BEFORE, NOTE, WORKS].iter().any(|l| l.eq_ignore_ascii_case(layer))
 }
 
 /// Whether a layer holds marks of the user's.
 pub fn is_marker(layer: &str) -> bool {
     let name = bare(layer);
-    [QUERY, REFERENCE, MOVE, KEEP].iter().any(|m| m.eq_ignore_ascii_case(name))
+    MARKS.iter().any(|m| m.eq_ignore_ascii_case(name))
         || [QUERY, REFERENCE].iter().any(|m| pair_of(name, m).is_some())
+}
+
+/// Whether a layer holds what was demolished.
+pub fn is_demolished(layer: &str) -> bool {
+    bare(layer).eq_ignore_ascii_case(DEMOLISHED)
 }
 
 /// Whether a layer is one of ours: marks, results, and what was meant to be marks.
 pub fn is_own(layer: &str) -> bool {
     let name = bare(layer);
     let begins = name.get(..2).is_some_and(|p| p.eq_ignore_ascii_case("EF"));
-    begins && (is_marker(name) || is_result(name) || meant(name).is_some())
+    begins && (is_marker(name) || is_result(name) || is_demolished(name) || meant(name).is_some())
 }
 
 /// The layer of marks that a name was meant to be: `EF_MOVE`, `EF MOVE`, `EF-MOVE-1`, `EF-MOV` are meant as `EF-MOVE`.
 /// None for a name that is read, and for one of results.
 pub fn meant(layer: &str) -> Option<&'static str> {
     let name = bare(layer);
-    if !name.get(..2)?.eq_ignore_ascii_case("EF") || is_marker(name) || is_result(name) {
+    if !name.get(..2)?.eq_ignore_ascii_case("EF") || is_marker(name) || is_result(name) || is_demolished(name)
+    {
         return None;
     }
     let letters = |s: &str| s.chars().filter(|c| c.is_alphanumeric()).collect::<String>().to_lowercase();
@@ -86,9 +104,10 @@ pub fn meant(layer: &str) -> Option<&'static str> {
     let is_near = |kind: &&&str| {
         let kind = letters(&kind[2..]);
         let is_beginning = rest.chars().count() >= BEGINNING_MIN && kind.starts_with(&rest);
-        rest.starts_with(&kind) || is_beginning || is_one_slip(&rest, &kind)
+        let is_slip = kind.chars().count() > BEGINNING_MIN && is_one_slip(&rest, &kind);
+        rest.starts_with(&kind) || is_beginning || is_slip
     };
-    [MOVE, KEEP, QUERY, REFERENCE].iter().find(is_near).copied()
+    MARKS.iter().find(is_near).copied()
 }
 
 /// Whether two words differ by one letter: another, one too many, one too few, or two exchanged.
@@ -123,6 +142,11 @@ mod tests {
             ("EF-MOVE", None),
             (" ef-move ", None),
             ("xref$0$EF-MOVE", None),
+            ("EF-OPENING", Some(OPEN)),
+            ("EF_REMOVE", Some(REMOVE)),
+            ("EF NEW", Some(NEW)),
+            ("EF-NET", None),
+            ("EF-open", None),
             ("EF-QUERY_2", None),
             ("EF-MOVED", None),
             ("EF-FURN", None),
@@ -134,7 +158,7 @@ mod tests {
         for (layer, expected) in cases {
             assert_eq!(meant(layer), expected, "{layer}");
         }
-        for layer in ["EF-FURN", "EF-NOTE-MY", "EF-open", "EFFLUENT", "é"] {
+        for layer in ["EF-FURN", "EF-NOTE-MY", "EF-NET", "EFFLUENT", "é"] {
             assert!(!is_own(layer), "{layer}");
         }
         for layer in ["EF-NOTE", "ef-heat-degree", "xref$0$EF-MOVE", "EF_KEEP", "ef-query:hall"] {

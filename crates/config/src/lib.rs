@@ -157,6 +157,19 @@ pub struct RegionTable {
     pub points: Vec<[f64; 2]>,
 }
 
+/// A building work that is decided, named in a side-car.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct WorkTable {
+    /// `open`, `remove` or `new`, as the layers `EF-OPEN`, `EF-REMOVE` and `EF-NEW`.
+    pub kind: String,
+    /// Corners of a closed polygon, of what is new also the ends of a line; drawing units.
+    pub points: Vec<[f64; 2]>,
+    /// What a text beside it would say: `door 0.9m`, `glass`, `0.1m`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub text: Option<String>,
+}
+
 /// A move that the numbers of a layout belong to, as result.json names it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
@@ -247,6 +260,8 @@ pub struct Partial {
     pub moves: Vec<MoveTable>,
     #[serde(rename = "region", default)]
     pub regions: Vec<RegionTable>,
+    #[serde(rename = "work", default)]
+    pub works: Vec<WorkTable>,
     #[serde(default)]
     pub lineage: Vec<LineageTable>,
     /// The moves that the numbers of `pin` and `like` belong to.
@@ -359,6 +374,7 @@ impl Partial {
             ignore_move_markers: self.ignore_move_markers.or(base.ignore_move_markers),
             moves: tables(self.moves, base.moves),
             regions: if self.regions.is_empty() { base.regions } else { self.regions },
+            works: if self.works.is_empty() { base.works } else { self.works },
             lineage: if self.lineage.is_empty() { base.lineage } else { self.lineage },
             pin_moves,
             warm_moves,
@@ -483,6 +499,9 @@ pub struct Settings {
     pub moves: Vec<MoveTable>,
     /// Regions named in the side-car.
     pub regions: Vec<RegionTable>,
+    /// Decided works named in the side-car.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub works: Vec<WorkTable>,
     /// Earlier rounds of an accepted drawing.
     pub lineage: Vec<LineageTable>,
     /// Corrections of how the drawing is read; without unit and view.
@@ -620,6 +639,7 @@ impl Settings {
             ignore_move_markers: p.ignore_move_markers.unwrap_or(false),
             moves: p.moves,
             regions: p.regions,
+            works: p.works,
             lineage: p.lineage,
             reading: p.reading,
         })

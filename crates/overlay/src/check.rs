@@ -6,7 +6,8 @@ use super::font::{Weight, width_px};
 use super::frame::{Frame, Key};
 use super::palette::{GREY, INK, Rgb};
 use super::picture::{
-    FloorShape, Look, PlanPicture, RegionKind, Stroke, StrokeKind, draw_alike, draw_region, draw_strokes,
+    BUILT_LOOK, DEMOLISHED_LOOK, FloorShape, Look, PlanPicture, RegionKind, Stroke, StrokeKind, draw_alike,
+    draw_region, draw_strokes,
 };
 use enfilade_report::Error;
 
@@ -141,6 +142,8 @@ fn stroke_look(kind: StrokeKind) -> Option<Look> {
         StrokeKind::Window => Some(WINDOW_LOOK),
         StrokeKind::Ignored => Some(IGNORED_LOOK),
         StrokeKind::Doubtful => Some(DOUBTFUL_LOOK),
+        StrokeKind::Demolished => Some(DEMOLISHED_LOOK),
+        StrokeKind::Built => Some(BUILT_LOOK),
         StrokeKind::Before => Some(Look::solid(GREY, 0.6, 0.0).dashed(&[4.0, 3.0])),
         StrokeKind::Moved => Some(MOVABLE_LOOK),
     }
@@ -173,6 +176,8 @@ fn samples_of(picture: &PlanPicture) -> Vec<Sample> {
         (picture.has(StrokeKind::Window), "window", WINDOW_LOOK),
         (picture.has(StrokeKind::Opening), "passage", PASSAGE_LOOK),
         (picture.has(StrokeKind::Doubtful), "doubtful wall", DOUBTFUL_LOOK),
+        (picture.has(StrokeKind::Demolished), "to be demolished", DEMOLISHED_LOOK),
+        (picture.has(StrokeKind::Built), "to be built", BUILT_LOOK),
         (picture.has(StrokeKind::Ignored), "drawn, no wall", IGNORED_LOOK),
     ];
     let regions = [

@@ -47,12 +47,15 @@ pub fn diversity_png(
 
 fn present_look(kind: StrokeKind) -> Option<Look> {
     match kind {
-        StrokeKind::Fixed | StrokeKind::Movable | StrokeKind::Moved => Some(Look::solid(PRESENT, 0.9, 0.0)),
+        StrokeKind::Fixed | StrokeKind::Movable | StrokeKind::Moved | StrokeKind::Built => {
+            Some(Look::solid(PRESENT, 0.9, 0.0))
+        }
         StrokeKind::Ignored
         | StrokeKind::Opening
         | StrokeKind::Door
         | StrokeKind::Window
         | StrokeKind::Doubtful
+        | StrokeKind::Demolished
         | StrokeKind::Before => None,
     }
 }

@@ -5,7 +5,10 @@ use super::font::Weight;
 use super::frame::{Frame, Key};
 use super::measure::{tick_labels, ticks};
 use super::palette::{GREY, INK, Palette, Rgb, Scale};
-use super::picture::{Cell, Look, PlanPicture, RegionKind, StrokeKind, bounds_of, draw_region, draw_strokes};
+use super::picture::{
+    BUILT_LOOK, Cell, DEMOLISHED_LOOK, Look, PlanPicture, RegionKind, StrokeKind, bounds_of, draw_region,
+    draw_strokes,
+};
 use enfilade_report::Error;
 
 /// Longest side of the pictures of a round, px.
@@ -94,6 +97,8 @@ fn unmeasured(x: i32, y: i32) -> Rgb {
 fn stroke_look(kind: StrokeKind, palette: Palette) -> Option<Look> {
     Some(match kind {
         StrokeKind::Doubtful => return None,
+        StrokeKind::Demolished => DEMOLISHED_LOOK,
+        StrokeKind::Built => BUILT_LOOK,
         StrokeKind::Ignored => Look { opacity: 0.45, ..Look::solid(GREY, 0.4, 0.0) },
         StrokeKind::Opening | StrokeKind::Door | StrokeKind::Window => {
             Look { opacity: 0.7, ..Look::solid(INK, 0.4, 0.0).dashed(&[3.0, 3.0]) }

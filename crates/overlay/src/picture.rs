@@ -26,6 +26,10 @@ pub enum StrokeKind {
     Before,
     /// One that has moved.
     Moved,
+    /// Demolished by a decided work.
+    Demolished,
+    /// Built by a decided work.
+    Built,
 }
 
 /// A drawn line or outline.
@@ -139,6 +143,10 @@ impl Look {
     }
 }
 
+/// What is demolished and what is built, in the colours of a conversion plan.
+pub(super) const DEMOLISHED_LOOK: Look = Look::solid([0xf2, 0xb5, 0x00], 1.6, 0.0);
+pub(super) const BUILT_LOOK: Look = Look::solid([0xc8, 0x1e, 0x1e], 1.6, 0.0);
+
 /// Draws all strokes of the given lists, kinds in their order (later lie on top). `look` is asked
 /// once a kind; `None` leaves the kind out.
 pub(super) fn draw_strokes(
@@ -147,8 +155,11 @@ pub(super) fn draw_strokes(
     strokes: &[Stroke],
     look: impl Fn(StrokeKind) -> Option<Look>,
 ) {
-    use StrokeKind::{Before, Door, Doubtful, Fixed, Ignored, Movable, Moved, Opening, Window};
-    for kind in [Ignored, Doubtful, Opening, Window, Door, Fixed, Movable, Before, Moved] {
+    use StrokeKind::{
+        Before, Built, Demolished, Door, Doubtful, Fixed, Ignored, Movable, Moved, Opening, Window,
+    };
+    let order = [Ignored, Demolished, Doubtful, Opening, Window, Door, Fixed, Movable, Before, Moved, Built];
+    for kind in order {
         if let Some(look) = look(kind) {
             let of_kind = |s: &&Stroke| s.kind == kind;
             draw_alike(canvas, frame, strokes.iter().filter(of_kind), look);

@@ -9,7 +9,7 @@ use super::font::Weight;
 use super::frame::Frame;
 use super::heat_map::{HeatMap, draw_foot};
 use super::palette::{GREY, INK, Palette, Rgb, Scale};
-use super::picture::{Look, PlanPicture, StrokeKind, draw_strokes};
+use super::picture::{BUILT_LOOK, DEMOLISHED_LOOK, Look, PlanPicture, StrokeKind, draw_strokes};
 use super::result::{ElementRef, Input, Interval};
 use enfilade_report::Error;
 
@@ -365,6 +365,8 @@ fn faint(kind: StrokeKind) -> Option<Look> {
             Some(Look { opacity: 0.7, ..Look::solid(INK, 0.4, 0.0).dashed(&[3.0, 3.0]) })
         }
         StrokeKind::Ignored => Some(Look { opacity: 0.35, ..Look::solid(GREY, 0.35, 0.0) }),
+        StrokeKind::Demolished => Some(DEMOLISHED_LOOK),
+        StrokeKind::Built => Some(BUILT_LOOK),
         StrokeKind::Doubtful | StrokeKind::Before | StrokeKind::Moved => None,
     }
 }

@@ -261,6 +261,7 @@ fn side_car(
         ignore_move_markers: Some(true),
         moves: Vec::new(),
         regions: settings.regions.clone(),
+        works: settings.works.clone(),
         lineage: settings.lineage.iter().cloned().chain(std::iter::once(last)).collect(),
         pin_moves: Vec::new(),
         warm_moves: Vec::new(),

@@ -1,6 +1,7 @@
 //! The first stage, from bytes to a drawing.
 
 pub(crate) mod query;
+mod works;
 
 use crate::job::Input;
 use enfilade_cad::drawing::{Drawing, Format};
@@ -42,7 +43,8 @@ pub(crate) fn drawing(
     settings: &Settings,
     report: &mut Report,
 ) -> Result<Drawing, Error> {
-    let drawing = enfilade_cad::read(file, bytes, &read_options(settings), report)?;
+    let mut drawing = enfilade_cad::read(file, bytes, &read_options(settings), report)?;
+    works::add(&mut drawing, settings)?;
     if let Some(storey) = settings.storey.as_ref().filter(|_| drawing.format == Format::Dxf) {
         let text = format!("storey {storey:?} was asked for, but a DXF knows no storeys; all of it is read");
         report.warn("storey-unused", Place::file(file), text);

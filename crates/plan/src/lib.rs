@@ -30,6 +30,7 @@ pub mod by_place;
 mod choice;
 mod crowd;
 pub mod curve;
+pub mod decided;
 mod dots;
 mod fills;
 pub mod fittings;
@@ -93,6 +94,17 @@ pub struct Wall {
     pub width_um: i64,
     /// Where the file holds its corners in single precision once they move: in what frame.
     pub single: Option<Single>,
+    /// What draws it.
+    pub drawn_by: DrawnBy,
+}
+
+/// What draws a wall; of one that a decided work cuts, several walls have the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DrawnBy {
+    /// An entity: its place in [`Plan::picked`].
+    Picked(usize),
+    /// A mark on `EF-NEW`: the index of its entity in the drawing.
+    Mark(usize),
 }
 
 /// What closes an opening of a wall.
@@ -156,6 +168,8 @@ pub struct Plan {
     pub picked: Vec<usize>,
     /// The user's marks.
     pub markers: Markers,
+    /// Building works that are decided; the walls are as they will be.
+    pub decided: Vec<decided::Decided>,
     /// What became of every layer that holds something.
     pub layers: Vec<LayerUse>,
     /// The drawings of the sheet, at least one; one of them was read unless `--view all` was said.
@@ -261,7 +275,9 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     obstacles.extend(obstacles::known(&drawing, &frame, |record| records.contains(&record)));
     let is_locked = |e: &Entity| drawing.layers.iter().any(|l| l.is_locked && l.name == e.layer);
     let entities = walls;
-    let mut walls: Vec<Wall> = entities.iter().map(|e| wall_of(e, &frame, is_locked(e))).collect();
+    let drawn = entities.iter().enumerate();
+    let mut walls: Vec<Wall> =
+        drawn.map(|(k, e)| wall_of(e, &frame, is_locked(e), DrawnBy::Picked(k))).collect();
     crowd::refuse(&walls, &drawing.file)?;
     walls.iter_mut().for_each(|w| w.single = drawing.singles.get(&w.source.record).copied());
     match drawing.format {
@@ -272,12 +288,14 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     if !as_drawn {
         wide::mark(&mut walls, &entities, &drawing, (&frame, human_scale), report);
     }
+    let scale = decided::Scale { frame: &frame, human_scale };
+    let works = decided::demolish(&mut walls, &drawing, &unused_marks, scale, report);
     let slots = slots::of(&drawing, &walls, &frame);
     let findings = options.corrections.idle(&drawing);
     findings.iter().for_each(|f| f.tell(&drawing.file, report));
     let reading = reading::Reading { unit: sense, findings, ..reading.corrected(said, &picked) };
     let senses = reading.kept(&drawing);
-    Ok(Plan {
+    let mut plan = Plan {
         file: drawing.file.clone(),
         format: drawing.format,
         version: drawing.version.clone(),
@@ -289,8 +307,8 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         layers: chosen.layers,
         views,
         human_scale,
-        plugs: plugs(&drawing, &slots, &frame),
-        doors: doors(&drawing, &slots, &frame),
+        plugs: plugs(&drawing, &works, &slots, &frame),
+        doors: doors(&drawing, &works, &slots, &frame),
         slots,
         bearing: walls_of(drawing.structure(), &entities),
         obstacles,
@@ -298,7 +316,10 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         reading,
         senses,
         north_deg: drawing.north_deg,
-    })
+        decided: works,
+    };
+    decided::build(&mut plan, &drawing, &unused_marks, report);
+    Ok(plan)
 }
 
 /// Those of some records that are walls of the plan.
@@ -383,18 +404,23 @@ fn sized(
 }
 
 /// What closes the openings of walls that the file names. An opening that nothing fills is shown under its wall.
-fn plugs(drawing: &Drawing, slots: &[slots::Slot], frame: &Frame) -> Vec<Plug> {
+fn plugs(drawing: &Drawing, works: &[decided::Decided], slots: &[slots::Slot], frame: &Frame) -> Vec<Plug> {
     let of = |e: &Entity| {
         let unfilled = || (e.layer == OPENING_LAYER).then_some(e.source.record);
         let host = drawing.hosts.get(&e.source.record).copied().or_else(unfilled)?;
         Some(Plug { host, outline: curve::trace(&e.shape, frame), slot: slots::closed_by(slots, e) })
     };
-    drawing.entities.iter().filter_map(of).collect()
+    drawing.entities.iter().filter(|e| !decided::is_gone(works, e)).filter_map(of).collect()
 }
 
 /// The doors that the file calls so.
-fn doors(drawing: &Drawing, slots: &[slots::Slot], frame: &Frame) -> Vec<NamedDoor> {
-    let doors = drawing.entities.iter().filter(|e| e.layer == DOOR_LAYER);
+fn doors(
+    drawing: &Drawing,
+    works: &[decided::Decided],
+    slots: &[slots::Slot],
+    frame: &Frame,
+) -> Vec<NamedDoor> {
+    let doors = drawing.entities.iter().filter(|e| e.layer == DOOR_LAYER && !decided::is_gone(works, e));
     let of = |e: &Entity| NamedDoor {
         host: drawing.hosts.get(&e.source.record).copied(),
         outline: curve::trace(&e.shape, frame),
@@ -491,7 +517,7 @@ fn undrawn_words(drawing: &Drawing) -> (String, String) {
 const LISTED_MAX: usize = 12;
 
 /// A wall on a locked layer is measured and stays: the user locked it against changes.
-fn wall_of(entity: &Entity, frame: &Frame, is_locked: bool) -> Wall {
+fn wall_of(entity: &Entity, frame: &Frame, is_locked: bool, drawn_by: DrawnBy) -> Wall {
     let editable = match &entity.editable {
         Editable::No(why) => Editable::No(why.clone()),
         _ if is_locked => Editable::No(format!("its layer {:?} is locked", entity.layer)),
@@ -505,6 +531,7 @@ fn wall_of(entity: &Entity, frame: &Frame, is_locked: bool) -> Wall {
         is_solid: false,
         width_um: 0,
         single: None,
+        drawn_by,
     }
 }
 

@@ -549,7 +549,7 @@ fn number(s: &str) -> Result<f64, String> {
 }
 
 /// A length as people write one: `0.5`, `-0,5m`, `18in`, `2'`, `18"`, `-2'-6"`.
-fn length(s: &str) -> Result<(f64, Option<Unit>), String> {
+pub(super) fn length(s: &str) -> Result<(f64, Option<Unit>), String> {
     let plain = s.replace(['′', '’'], "'").replace(['″', '”'], "\"").replace("''", "\"");
     if plain.contains(['\'', '"']) {
         return feet_and_inches(&plain).ok_or_else(|| {

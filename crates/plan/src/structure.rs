@@ -127,7 +127,7 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     }
     let walls = DrawnWalls::new(plan, drawing);
     let is_other = |(i, e): &(usize, &Entity)| {
-        !walls.contains(*i, e) && !own_layers::is_own(&e.layer) && !dots::is_dot(&e.shape)
+        !walls.contains(*i, e) && !own_layers::is_own(&e.layer) && !dots::is_dot(&e.shape) && !plan.is_gone(e)
     };
     let others = drawing.entities.iter().enumerate().filter(is_other);
     let others: Vec<(usize, &Entity, Vec<Path>)> =
@@ -143,6 +143,13 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     }
     leave_paving(&mut out.marks, &mut marked);
     join_swings(drawing, &walls, &mut out.marks, &marked);
+    let records = drawing.entities.iter().map(|e| e.source.record).max().unwrap_or(0);
+    for (k, (path, role, entity)) in plan.decided_fills().enumerate() {
+        // Numbers beyond those of all entities and blocks.
+        let group = (drawing.entities.len() + records + 1 + k) as u32;
+        out.marks.push(Mark { paths: vec![path], role, group, word: drawing.entities[entity].layer.clone() });
+        marked.push(entity);
+    }
     (out, marked)
 }
 
@@ -285,7 +292,8 @@ pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Seg
     };
     let widest = BEYOND_WALLS_M.max(BEYOND_SHARE * (hi - lo).max_element());
     let mut out: Vec<[DVec2; 2]> = Vec::new();
-    let shown = drawing.entities.iter().enumerate().filter(|(i, e)| !walls.contains(*i, e));
+    let shown = drawing.entities.iter().enumerate();
+    let shown = shown.filter(|(i, e)| !walls.contains(*i, e) && !plan.is_gone(e));
     for (i, e) in shown.filter(|(_, e)| !hidden.entity(e)) {
         let role = plan.reading.role(i);
         let by_name = fills(role);
@@ -359,7 +367,11 @@ fn lies_in([a, b]: &[DVec2; 2], opening: &Opening) -> bool {
 pub fn glass_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Segment> {
     let (hidden, walls) = (Hidden::new(drawing), DrawnWalls::new(plan, drawing));
     let is_drawn = |(i, e): &(usize, &Entity)| {
-        is_glass(plan, *i) && !hidden.entity(e) && !walls.contains(*i, e) && drawing.format == Format::Dxf
+        is_glass(plan, *i)
+            && !hidden.entity(e)
+            && !walls.contains(*i, e)
+            && !plan.is_gone(e)
+            && drawing.format == Format::Dxf
     };
     let shown = drawing.entities.iter().enumerate().filter(is_drawn);
     let lines =

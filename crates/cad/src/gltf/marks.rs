@@ -12,13 +12,47 @@ use crate::own_layers;
 use enfilade_report::{Place, Report};
 
 /// What may be said there, and as what.
-const KEYS: [(&str, &str); 5] = [
+const KEYS: [(&str, &str); 9] = [
     ("move", "a text such as \"x -1 1\""),
     ("name", "a text"),
     ("keep", "true or false"),
     ("query", "true, false or the name of a pair"),
     ("reference", "true, false or the name of a pair"),
+    ("open", "true, \"door\", \"door 0.9m\" or \"glass\""),
+    ("remove", "true or false"),
+    ("new", "true or false"),
+    ("status", "\"existing\", \"new\" or \"demolish\""),
 ];
+
+/// Marks of decided works, each with its layer.
+const WORKS: [(&str, &str); 3] =
+    [("open", own_layers::OPEN), ("remove", own_layers::REMOVE), ("new", own_layers::NEW)];
+
+/// The decided work that a node marks with its outline: its layer, and what is said of it.
+pub(super) fn work<'j>(scene: &'j File<'_>, path: &[usize]) -> Option<(&'static str, Option<&'j str>)> {
+    WORKS.iter().find_map(|(key, layer)| Some((*layer, region(scene, path, key)?.1)))
+}
+
+/// When an element stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Status {
+    Existing,
+    New,
+    Demolished,
+}
+
+/// What a node, or what it hangs on, says of when it stands.
+pub(super) fn status(scene: &File<'_>, path: &[usize]) -> Status {
+    let said = nearest(scene, path, "status").and_then(|(_, v)| match &v.value {
+        Value::Text(text) => Some(text.trim().to_lowercase()),
+        _ => None,
+    });
+    match said.as_deref() {
+        Some("demolish") => Status::Demolished,
+        Some("new") => Status::New,
+        _ => Status::Existing,
+    }
+}
 
 /// Members of what we write on nodes of ours.
 const OWN_KEYS: [&str; 2] = ["layer", "note"];

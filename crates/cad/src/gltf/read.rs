@@ -7,15 +7,18 @@ use glam::{DAffine2, DAffine3, DMat2, DMat3, DVec2, DVec3};
 
 use super::bodies::{Bodies, SCENE_LAYER, SPACE_LAYER, bodies, is_global_id};
 use super::body::Body;
+use super::marks::Status;
 use super::motion::z_up;
 use super::record::{of_record, record};
 use super::scene::{File, Shown};
 use super::{ReadOptions, marks, twin, upright, values};
+use crate::curve::control_points;
 use crate::drawing::{
     Called, Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, Single, SourceRef, Text, Unit,
     Vertex,
 };
 use crate::ifc::ZONE_LAYER;
+use crate::own_layers::DEMOLISHED;
 use crate::region::{Region, slice};
 use crate::sizes::{Sizes, Verdict};
 use crate::storeys::{refuse_without_own, state_shared_name};
@@ -71,17 +74,38 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     let above = options.above_m() / scale.metres;
     let floor = chosen_floor(file, &bodies, options, &scale, report)?;
     let (mut entities, mut regions) = (Vec::new(), BTreeSet::new());
+    let (mut built, mut gone, mut said) = (BTreeSet::new(), BTreeSet::new(), Vec::new());
     let is_elsewhere = options.elsewhere(&scene);
     let mut flat: Vec<(usize, &str)> = Vec::new();
     for body in &bodies {
         let before = entities.len();
         show(&scene, body, floor + above, options, &mut entities, &mut regions);
+        let path = body.shown.path();
+        let own = record(body.element.node, body.piece);
+        match marks::status(&scene, &path) {
+            _ if entities.len() == before => {}
+            Status::Existing if body.is_wall => {}
+            Status::Existing => said.extend(show_work(&scene, &path, &mut entities[before..])),
+            Status::New => {
+                built.insert(own);
+            }
+            Status::Demolished => {
+                gone.insert(own);
+                on_layer(&mut entities[before..], DEMOLISHED);
+            }
+        }
         let why = without_extent(body, floor + above, entities.len() > before);
         flat.extend(why.filter(|_| !is_elsewhere(body.shown)).map(|why| (body.shown.node, why)));
     }
     state_flat(&scene, flat, report);
     state_low(&scene, &bodies, [floor, floor + above], &is_elsewhere, report);
-    let (texts, marked) = (space_names(&scene, &bodies, &entities, options), marked_moves(&scene, &entities));
+    let hosts = hosts(&scene, &bodies, options);
+    // What sits in a wall goes with it.
+    let stays = |e: &Entity| hosts.get(&e.source.record).is_none_or(|host| !gone.contains(host));
+    entities.retain(stays);
+    let (mut texts, marked) =
+        (space_names(&scene, &bodies, &entities, options), marked_moves(&scene, &entities));
+    texts.extend(said);
     let used = marks::Used::new(&bodies, lost, &entities, &marked, regions);
     let idle_marks = marks::state(&scene, &shown, &used, &is_elsewhere, report);
     let mut names: Vec<Layer> = Vec::new();
@@ -103,7 +127,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         texts,
         marked,
         idle_marks,
-        hosts: hosts(&scene, &bodies, options),
+        hosts,
         slots: Vec::new(),
         bearing: Default::default(),
         things: Vec::new(),
@@ -112,6 +136,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         widths: Default::default(),
         singles: singles(&bodies),
         north_deg: 0.0,
+        built,
         undrawn: Vec::new(),
         records: Vec::new(),
         written: Default::default(),
@@ -493,6 +518,23 @@ fn show(
     if body.layer == "IfcSpace" && marks::is_set(scene, path, "keep") {
         copy(out, &shown, "EF-KEEP");
     }
+}
+
+fn on_layer(which: &mut [Entity], layer: &str) {
+    for e in which {
+        e.layer = layer.into();
+        e.source.layer = layer.into();
+    }
+}
+
+/// Shows outlines as the mark of a decided work, if their node says so, with what it says of it.
+fn show_work(scene: &File<'_>, path: &[usize], which: &mut [Entity]) -> Option<Text> {
+    let (layer, text) = marks::work(scene, path)?;
+    on_layer(which, layer);
+    let first = which.first()?;
+    let [lo, hi] = crate::plane::box_of(control_points(&first.shape).into_iter())?;
+    let at = lo.midpoint(hi);
+    Some(Text { source: first.source.clone(), layer: layer.into(), at, text: text?.into() })
 }
 
 /// Shows the same outlines on another layer too.

@@ -24,6 +24,7 @@ mod marks;
 mod model;
 mod number;
 mod patch;
+mod phase;
 mod plain;
 mod profile;
 mod quantity;

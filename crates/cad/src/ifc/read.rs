@@ -4,7 +4,7 @@ mod north;
 mod slots;
 mod told;
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::sync::OnceLock;
 
 use glam::{DAffine3, DVec2};
@@ -16,6 +16,7 @@ use super::heights::{heights, sizes, wall_spans};
 use super::length;
 use super::limits::OUTLINE_POINTS_MAX;
 use super::model::{Model, Product, Storey, axis_item, body_items, layer_reach};
+use super::phase::{Phase, phase};
 use super::step::Step;
 use super::units::units;
 use super::{CUT_EYE_M, ReadOptions, Sight};
@@ -23,6 +24,7 @@ use crate::drawing::{
     Drawing, Editable, Entity, Format, IdleMarks, Layer, MarkedMove, Shape, Slot, SourceRef, Text, Unit,
     Vertex,
 };
+use crate::own_layers::DEMOLISHED;
 use crate::region::{Region, Rule};
 use crate::sizes::Verdict;
 use crate::storeys::{is_over, refuse_without_own, state_shared_name};
@@ -265,6 +267,8 @@ struct Reader<'b, 's, 'a> {
     slots: Vec<Slot>,
     /// Walls that keep their length, and why.
     stiff: Vec<(u64, Why)>,
+    /// Elements that are to be built.
+    built: BTreeSet<usize>,
     /// Walls and columns of other storeys of which a part cannot be read.
     elsewhere: Vec<u64>,
 }
@@ -325,6 +329,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             bar: None,
             slots: Vec::new(),
             stiff: Vec::new(),
+            built: BTreeSet::new(),
             elsewhere: Vec::new(),
         }
     }
@@ -353,6 +358,19 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     }
 
     fn show(&mut self, p: &Product, cut: ElementCut<'_>, report: &mut Report) {
+        match phase(self.b.step, &self.b.model, p.id) {
+            Phase::Existing => {}
+            Phase::New => {
+                self.built.insert(p.id as usize);
+            }
+            Phase::Demolished => {
+                let closings = cut.closings.iter().map(|c| &c.region);
+                let whole = closings.fold(cut.region, |all, c| all.combine(c, Rule::Union));
+                self.plugged.extend(cut.plugged);
+                self.emit(p, DEMOLISHED, &whole);
+                return;
+            }
+        }
         for closing in &cut.closings {
             self.emit(closing.of, closing.layer, &closing.region);
         }
@@ -701,6 +719,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             records: Vec::new(),
             written: Default::default(),
             north_deg: north_deg(self.b),
+            built: self.built,
         }
     }
 }

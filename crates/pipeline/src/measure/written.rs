@@ -7,7 +7,7 @@ use crate::measure::parts::{cover_bodies, cover_wide, pieces_of};
 use crate::measure::seen::Seen;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
-use crate::read::read_options;
+use crate::read;
 use crate::understand::options::plan_options;
 use crate::understand::understood::closed_that_stay;
 use enfilade_cad::curve::control_points;
@@ -78,7 +78,7 @@ impl Study {
     fn read_again(&self, bytes: &[u8], settings: &Settings) -> Result<Plan, Error> {
         let plan = &self.base.plan;
         let mut report = Report::default();
-        let drawing = enfilade_cad::read(&plan.file, bytes, &read_options(settings), &mut report)?;
+        let drawing = read::drawing(&plan.file, bytes, settings, &mut report)?;
         let picked = Some(plan.picked.clone());
         let senses = Some(plan.senses.clone());
         let options = PlanOptions { unit: Some(plan.unit.unit), picked, senses, ..plan_options(settings) };

@@ -50,7 +50,8 @@ fn ring(entity: &Entity, plan: &Plan) -> Option<Region> {
 /// What closes doors and windows: for finding out what lies inside a building, not for sight. What belongs to a wall far off
 /// closes nothing.
 pub(crate) fn closings(drawing: &Drawing, plan: &Plan) -> Vec<Segment> {
-    let plugs = drawing.entities.iter().filter(|e| CLOSING_LAYERS.contains(&e.layer.as_str()));
+    let closes = |e: &&Entity| CLOSING_LAYERS.contains(&e.layer.as_str()) && !plan.is_gone(e);
+    let plugs = drawing.entities.iter().filter(closes);
     let walls = plan.walls.iter().flat_map(|w| w.trace.points.iter().map(|p| plan.frame.plan_from_um(*p)));
     let extent = box_of(walls);
     let is_near = |s: &Segment| {
@@ -92,7 +93,7 @@ pub(crate) fn named_openings(drawing: &Drawing, plan: &Plan) -> Vec<NamedOpening
             outline,
         })
     };
-    drawing.entities.iter().filter_map(of).collect()
+    drawing.entities.iter().filter(|e| !plan.is_gone(e)).filter_map(of).collect()
 }
 
 /// How far before a wall's face a door or window in a gap of it may stand.

@@ -11,11 +11,11 @@ use enfilade_cad::own_layers;
 use enfilade_cad::roles::Role;
 use enfilade_config::Settings;
 use enfilade_engine::geometry::{PointUm, Segment};
-use enfilade_plan::Plan;
 use enfilade_plan::axes::{Opening, OpeningKind};
 use enfilade_plan::floor::{Floor, Gap};
 use enfilade_plan::reading::RoleSense;
 use enfilade_plan::reading::questions::{Doubt, Settled, questions};
+use enfilade_plan::{DrawnBy, Plan, Wall};
 
 /// For every wall of a plan the index of the entity that draws it; filled areas come behind what is drawn.
 pub(crate) fn entities_of_walls(plan: &Plan, drawing: &Drawing) -> Vec<usize> {
@@ -24,7 +24,11 @@ pub(crate) fn entities_of_walls(plan: &Plan, drawing: &Drawing) -> Vec<usize> {
         .filter(|i| !own_layers::is_own(&drawing.entities[*i].layer))
         .chain(lines..lines + drawing.fills.len())
         .collect();
-    plan.picked.iter().map(|k| foreign.get(*k).copied().unwrap_or(usize::MAX)).collect()
+    let of = |w: &Wall| match w.drawn_by {
+        DrawnBy::Mark(entity) => entity,
+        DrawnBy::Picked(k) => plan.picked.get(k).and_then(|k| foreign.get(*k)).copied().unwrap_or(usize::MAX),
+    };
+    plan.walls.iter().map(of).collect()
 }
 
 /// What nothing names and is taken as a wall for its looks.

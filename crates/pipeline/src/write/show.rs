@@ -60,12 +60,22 @@ pub fn picture(base: &Understood) -> PlanPicture {
         let kind = if movable { StrokeKind::Movable } else { StrokeKind::Fixed };
         stroke_of(&base.plan, &wall.trace, wall.is_solid, kind)
     };
-    let strokes: Vec<Stroke> = base.plan.walls.iter().enumerate().map(stroke).collect();
+    let strokes = base.plan.walls.iter().enumerate().map(stroke).chain(decided_strokes(&base.plan));
+    let strokes: Vec<Stroke> = strokes.collect();
     let regions = regions(&base.plan);
     let points =
         strokes.iter().flat_map(|s| s.points.clone()).chain(regions.iter().flat_map(|r| r.points.clone()));
     let north_deg = base.plan.north_deg;
     PlanPicture { bounds: bounds_of(points), strokes, regions, north_deg, ..PlanPicture::default() }
+}
+
+/// What decided works take away and what they build.
+fn decided_strokes(plan: &Plan) -> impl Iterator<Item = Stroke> {
+    let of = |t: &Trace, kind| stroke_of(plan, t, t.is_closed, kind);
+    plan.decided.iter().flat_map(move |d| {
+        let gone = d.demolished.iter().map(move |t| of(t, StrokeKind::Demolished));
+        gone.chain(d.built.iter().map(move |t| of(t, StrokeKind::Built)))
+    })
 }
 
 /// How much of a piece that is stretched is shown as moving, from the end that moves; metres of a person.
@@ -175,6 +185,7 @@ pub(crate) fn check_picture(base: &Understood, sensed: &Sensed, rooms: &[Room]) 
         doubtful.map(|w| stroke_of(&base.plan, &w.trace, false, StrokeKind::Doubtful)).collect();
     out.strokes = (0..base.plan.walls.len()).flat_map(|w| wall_strokes(base, w)).collect();
     out.strokes.extend(base.plan.walls.iter().flat_map(|w| wide_strokes(&base.plan, w)));
+    out.strokes.extend(decided_strokes(&base.plan));
     let scale = base.plan.human_scale;
     for opening in &base.axes.openings {
         let kind = match opening.kind {
