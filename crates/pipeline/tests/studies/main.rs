@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
 
 mod buildings;
+mod decided;
 mod gltf;
 mod habits;
 mod ifc;
