@@ -108,7 +108,7 @@ fn child() {
 
 fn start_child(root: &Path) -> Child {
     Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "child", "--nocapture"])
+        .args(["--exact", "daemon::child", "--nocapture"])
         .env(CHILD, root)
         .stdout(Stdio::null())
         .stderr(Stdio::null())

@@ -603,7 +603,7 @@ fn plant_ten_thousand(home: &Path) {
     fs::write(to.join("result.json"), result.to_string()).unwrap();
 }
 
-/// Where the modules named in `tests/page/README.md` are; `None`, and said, where browsers need not be tested.
+/// Where the modules named in `tests/program/page/README.md` are; `None`, and said, where browsers need not be tested.
 fn modules() -> Option<std::ffi::OsString> {
     let modules = std::env::var_os("ENFILADE_NODE_MODULES");
     if modules.is_none() {
@@ -616,10 +616,10 @@ fn modules() -> Option<std::ffi::OsString> {
     modules
 }
 
-/// A script of `tests/page` with the page's address and what else it is to know; it must find no fault.
+/// A script of `tests/program/page` with the page's address and what else it is to know; it must find no fault.
 fn browse(daemon: &Daemon, modules: std::ffi::OsString, script: &str, told: &str) {
     let out = Command::new("node")
-        .arg(enfilade_fixtures::repository("tests/page").join(script))
+        .arg(enfilade_fixtures::repository("tests/program/page").join(script))
         .arg(format!("http://127.0.0.1:{}/#key={}", daemon.port, daemon.key))
         .arg(told)
         .env("HOME", daemon.folder.path())

@@ -564,7 +564,7 @@ fn a_round_follows_one_with_a_module() {
     let said = text(&enfilade(&["check", second.to_str().unwrap()]).stderr);
     assert!(said.contains("EF-MOVE is passed over here") && !said.contains("extras"), "{said}");
     // What is known from the round before is no end of a search by the clock.
-    call(&["run", "--seconds", "3", "--spacing", "0.8"], &second);
+    call(&["run", "--seconds", "8", "--spacing", "0.8"], &second);
     let result = json(&folder.path().join("gallery-r02.enfilade/round-02/result.json"));
     assert!(
         result["evaluations"].as_u64().unwrap() > 30,

@@ -103,7 +103,7 @@ fn round(
     let found = if round.is_open() { Some(options(&round, &report, watch)?) } else { None };
     let listed = if is_bare(settings) { None } else { list_works(&round, watch.cancel)? };
     if let Some((works, _)) = &listed {
-        works::say_best(works, &mut report);
+        works::say_best(works, job.input.file(), &mut report);
     }
     watch.stage("write", Some(found.as_ref().map_or(0, |f| f.members.len() as u64)));
     let mut outcome = write::write(&round, report, found.as_ref())?;

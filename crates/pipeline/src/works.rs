@@ -132,8 +132,8 @@ fn room(r: &crate::understand::rooms::Room) -> Room {
 }
 
 /// Says the best works in the report of a round: where no layout helps, this does.
-pub(crate) fn say_best(result: &WorksResult, report: &mut Report) {
-    let place = || Place::file(&result.input.path);
+pub(crate) fn say_best(result: &WorksResult, file: &str, report: &mut Report) {
+    let place = || Place::file(file);
     for work in result.different(true, SAID) {
         report.info("work-allowed", place(), format!("{}.", result.line(work)));
     }
