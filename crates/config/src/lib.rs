@@ -529,7 +529,8 @@ impl Settings {
         let is_stated = p.objective.is_some();
         let usual = if p.method == Some(Method::Paper) { OBJECTIVES_PAPER } else { OBJECTIVES_DEFAULT };
         let objectives = objectives(p.objective.as_deref().unwrap_or(usual))?;
-        let penalties = penalties(p.penalty.as_deref().unwrap_or("clearance 1, wall-length 1"))?;
+        let usual = if p.method == Some(Method::Paper) { PENALTY_PAPER } else { PENALTY_DEFAULT };
+        let penalties = penalties(p.penalty.as_deref().unwrap_or(usual))?;
         let in_range = |key: &str, v: Option<f64>, lo: f64, hi: f64| match v {
             Some(v) if !(lo..=hi).contains(&v) => {
                 Err(bad(key, &v.to_string(), &format!("a number from {lo} to {hi}")))
@@ -673,6 +674,10 @@ impl Settings {
         self.objectives.iter().any(|o| o.measure.measure == Measure::Score)
     }
 }
+
+/// Penalties by default: what weighs against gains, and what the published method holds.
+const PENALTY_DEFAULT: &str = "clearance 1";
+const PENALTY_PAPER: &str = "clearance 1, wall-length 1";
 
 /// The objectives of the published method.
 const OBJECTIVES_PAPER: &str = "degree max 0.7, depth min 0.7, entropy max 0.7";

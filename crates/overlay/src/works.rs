@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::canvas::{Anchor, Canvas, Pen};
@@ -11,6 +12,8 @@ use super::heat_map::{HeatMap, draw_foot};
 use super::palette::{GREY, INK, Palette, Rgb, Scale};
 use super::picture::{BUILT_LOOK, DEMOLISHED_LOOK, Look, PlanPicture, StrokeKind, draw_strokes};
 use super::result::{ElementRef, Input, Interval};
+use enfilade_cad::drawing::{Addition, Mark};
+use enfilade_cad::own_layers;
 use enfilade_report::Error;
 
 /// Name of the form.
@@ -292,6 +295,34 @@ pub struct ColouredWall {
     pub is_allowed: bool,
 }
 
+/// The walls as filled bars on `EF-WORKS`, each in the colour of the best that an opening in it would bring.
+pub fn works_additions(walls: &[ColouredWall]) -> Vec<Addition> {
+    let scale = scale_of(walls);
+    let bar = |wall: &ColouredWall| {
+        let [a, b] = wall.ends.map(DVec2::from);
+        let half = (b - a).try_normalize()?.perp() * (wall.thickness_m.max(BAR_LEAST_M) / 2.0);
+        let rgb = colour_of(wall, scale);
+        let mark = Mark::Fill { corners: [a + half, a - half, b - half, b + half] };
+        Some(Addition { layer: own_layers::WORKS.to_owned(), rgb, mark })
+    };
+    walls.iter().filter_map(bar).collect()
+}
+
+/// Least width of a bar in a drawing, metres: a wall of one line is seen too.
+const BAR_LEAST_M: f64 = 0.05;
+
+/// From nothing to the best that is allowed, per cent.
+fn scale_of(walls: &[ColouredWall]) -> Scale {
+    Scale::of([0.0, walls.iter().filter(|w| w.is_allowed).map(|w| 100.0 * w.share).fold(1.0, f64::max)])
+}
+
+fn colour_of(wall: &ColouredWall, scale: Scale) -> Rgb {
+    if wall.is_allowed { PALETTE.at(scale.fraction(100.0 * wall.share)) } else { FORBIDDEN }
+}
+
+/// Colours of gains.
+const PALETTE: Palette = Palette::Viridis;
+
 /// Colour of walls in which nothing is allowed.
 const FORBIDDEN: Rgb = [0xa8, 0xad, 0xb5];
 /// Least width of a coloured wall on the sheet, in nominal px: thin partitions are what the picture is about.
@@ -307,8 +338,7 @@ pub fn works_png(
     (title, subtitle): (&str, &str),
     longest_px: u32,
 ) -> Result<Vec<u8>, Error> {
-    let most = walls.iter().filter(|w| w.is_allowed).map(|w| 100.0 * w.share).fold(1.0, f64::max);
-    let scale = Scale::of([0.0, most]);
+    let scale = scale_of(walls);
     let map = HeatMap {
         picture,
         cells: &[],
@@ -318,7 +348,7 @@ pub fn works_png(
         subtitle,
         unit: "% more visibility by one opening; grey: not allowed",
         no_value: "not allowed",
-        palette: Palette::Viridis,
+        palette: PALETTE,
     };
     let frame = Frame::fit(picture.bounds, longest_px, true, 142.0)?.with_north(picture.north_deg);
     let mut canvas = frame.sheet()?;
@@ -330,8 +360,7 @@ pub fn works_png(
         (a.is_allowed, a.share).partial_cmp(&(b.is_allowed, b.share)).unwrap_or(std::cmp::Ordering::Equal)
     });
     for wall in order {
-        let rgb =
-            if wall.is_allowed { map.palette.at(scale.fraction(100.0 * wall.share)) } else { FORBIDDEN };
+        let rgb = colour_of(wall, scale);
         let width = (wall.thickness_m as f32 * px_per_m).max(WALL_LEAST_PX * frame.unit_px);
         canvas.line(&wall.ends.map(|p| frame.to_px(p)), Pen::solid(GREY, width + 3.0 * frame.unit_px));
         canvas.line(&wall.ends.map(|p| frame.to_px(p)), Pen::solid(rgb, width));

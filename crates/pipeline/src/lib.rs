@@ -36,14 +36,14 @@ use confirm::found::{Found, found};
 use enfilade_config::Settings;
 use enfilade_overlay::PlanPicture;
 use enfilade_overlay::result::RoundResult;
-use enfilade_overlay::works::WorksResult;
-use enfilade_report::{Cancel, Error, OutFile, Report};
+use enfilade_report::{Cancel, Error, Report};
 use job::{Job, Watch};
 use round::Round;
 use search::brief::{Brief, is_bare};
 use search::judged::objectives;
 use search::rules;
 use understand::fits;
+use works::Listed;
 
 pub use analyse::{add_columns, analyse, analyse_from, measure};
 pub use check::{Extras, check, check_with};
@@ -102,18 +102,15 @@ fn round(
     round.state_asked(&mut report);
     let found = if round.is_open() { Some(options(&round, &report, watch)?) } else { None };
     let listed = if is_bare(settings) { None } else { list_works(&round, watch.cancel)? };
-    if let Some((works, _)) = &listed {
-        works::say_best(works, job.input.file(), &mut report);
+    if let Some(listed) = &listed {
+        works::say_best(&listed.result, job.input.file(), &mut report);
     }
     watch.stage("write", Some(found.as_ref().map_or(0, |f| f.members.len() as u64)));
-    let mut outcome = write::write(&round, report, found.as_ref())?;
-    outcome.files.extend(listed.into_iter().flat_map(|l| l.1));
-    outcome.files.sort_by(|a, b| a.path.cmp(&b.path));
-    Ok(outcome)
+    write::write(&round, report, found.as_ref(), listed.as_ref())
 }
 
 /// The building works of the present layout; `None` where somebody stops the job: he keeps the best of its search.
-fn list_works(round: &Round<'_>, cancel: &Cancel) -> Result<Option<(WorksResult, Vec<OutFile>)>, Error> {
+fn list_works(round: &Round<'_>, cancel: &Cancel) -> Result<Option<Listed>, Error> {
     match works::of_study(round.job, round.study, cancel) {
         Err(Error::Stopped) => Ok(None),
         listed => listed.map(Some),
@@ -131,7 +128,7 @@ fn options(round: &Round<'_>, report: &Report, watch: &mut Watch<'_>) -> Result<
     let trial = trial.as_ref().unwrap_or(study);
     let brief = Brief { input, study, trial, settings, control: &control, objectives: &objectives };
     let mut so_far = |search: &enfilade_search::Search, at: Progress, watch: &mut Watch<'_>| {
-        let made = write::write(round, report.clone(), Some(&found(&brief, search, &[])))?;
+        let made = write::write(round, report.clone(), Some(&found(&brief, search, &[])), None)?;
         let progress = Progress { stage: "so-far".into(), ..at };
         (watch.show)(Event::SoFar { files: made.files, progress });
         Ok(())

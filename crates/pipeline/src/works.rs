@@ -21,7 +21,6 @@ use enfilade_engine::graph::Graph;
 use enfilade_engine::measures::mean_depth;
 use enfilade_engine::visibility::visibility_graph;
 use enfilade_engine::{Lattice, Obstacles};
-use enfilade_overlay::PlanPicture;
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
 use enfilade_overlay::result::{self, Interval};
 use enfilade_overlay::works::{
@@ -61,19 +60,38 @@ pub fn works_of(
     cancel: &Cancel,
 ) -> Result<(Outcome<WorksResult>, Study), Error> {
     let (study, report) = measure(input, settings, None, &mut || {}, cancel)?;
-    let (result, files) = of_study(Job { input, settings }, &study, cancel)?;
-    Ok((Outcome { result, files, report }, study))
+    let listed = of_study(Job { input, settings }, &study, cancel)?;
+    let files = listed.files()?;
+    Ok((Outcome { result: listed.result, files, report }, study))
+}
+
+/// The works of a study as a round has them.
+#[derive(Clone, Debug)]
+pub(crate) struct Listed {
+    /// The list.
+    pub result: WorksResult,
+    /// `works.png`.
+    pub picture: Vec<u8>,
+    /// Every wall with the best that an opening in it would bring.
+    pub walls: Vec<ColouredWall>,
+}
+
+impl Listed {
+    /// `works.json` and `works.png`.
+    ///
+    /// # Errors
+    /// Where the list cannot be written as JSON.
+    pub fn files(&self) -> Result<Vec<OutFile>, Error> {
+        let json = OutFile::new("works.json", result::to_json(&self.result)?);
+        Ok(vec![json, OutFile::new("works.png", self.picture.clone())])
+    }
 }
 
 /// The works of a study, and their files.
 ///
 /// # Errors
 /// [`Error::Stopped`]; where the picture cannot be drawn.
-pub(crate) fn of_study(
-    job: Job<'_>,
-    study: &Study,
-    cancel: &Cancel,
-) -> Result<(WorksResult, Vec<OutFile>), Error> {
+pub(crate) fn of_study(job: Job<'_>, study: &Study, cancel: &Cancel) -> Result<Listed, Error> {
     let Job { input, settings } = job;
     let base = &study.base;
     let sensed = Sensed::new(base, settings);
@@ -116,9 +134,10 @@ pub(crate) fn of_study(
         works: entries,
     };
     let shown = show::check_picture(base, &sensed, &known);
-    let mut files = vec![OutFile::new("works.json", result::to_json(&result)?)];
-    files.push(OutFile::new("works.png", picture(&shown, &site, &found.works, input)?));
-    Ok((result, files))
+    let walls = coloured(&site, &found.works);
+    let title = ("What an opening would bring", input.file());
+    let picture = works_png(&shown, &walls, title, DEFAULT_SIDE_PX)?;
+    Ok(Listed { result, picture, walls })
 }
 
 /// A room with what it is for.
@@ -318,12 +337,7 @@ fn on_one(study: &Study, settings: &Settings, at: LatticeAt, changes: &[&Change]
 }
 
 /// Every wall in the colour of the best opening in it.
-fn picture(
-    shown: &PlanPicture,
-    site: &Site<'_>,
-    works: &[Work],
-    input: &Input<'_>,
-) -> Result<Vec<u8>, Error> {
+fn coloured(site: &Site<'_>, works: &[Work]) -> Vec<ColouredWall> {
     let all = site.present.degrees().max(1) as f64;
     let mut best: BTreeMap<usize, (bool, i64)> = BTreeMap::new();
     for work in works.iter().filter(|w| matches!(w.kind, WorkKind::Open)) {
@@ -342,7 +356,5 @@ fn picture(
             is_allowed: *is_allowed,
         }
     };
-    let walls: Vec<ColouredWall> = best.iter().map(coloured).collect();
-    let title = ("What an opening would bring", input.file());
-    works_png(shown, &walls, title, DEFAULT_SIDE_PX)
+    best.iter().map(coloured).collect()
 }

@@ -36,6 +36,7 @@ use crate::search::brief::is_bare;
 use crate::search::distance;
 use crate::search::judged::{is_firm, pinned};
 use crate::understand::rooms::rooms_with_kinds;
+use crate::works::Listed;
 use crate::write::diversity::{likeness, nearest};
 use crate::write::made::Made;
 use enfilade_overlay::result::{self, RoundResult};
@@ -49,6 +50,7 @@ pub(crate) fn write(
     round: &Round<'_>,
     mut report: Report,
     found: Option<&Found>,
+    works: Option<&Listed>,
 ) -> Result<Outcome<RoundResult>, Error> {
     let Round { job, study, sensed, .. } = round;
     let (job, study) = (*job, *study);
@@ -108,13 +110,14 @@ pub(crate) fn write(
     }
     let shown: Vec<&Made> = made.iter().chain(&best).collect();
     let mut files = files::pictures(job, study, &shown)?;
-    files.extend(files::drawings(job, study, &shown, &result)?);
+    files.extend(files::drawings(job, study, (&shown, works), &result)?);
     files.push(OutFile::new("convergence.png", files::convergence(found)?));
     files.push(OutFile::new("diversity.png", files::diversity(study, &made)?));
     let rooms = rooms_with_kinds(&study.base, sensed, job.settings)?;
     let understood = check_picture::check_picture(&study.base, sensed, &rooms)?;
     let maps = maps::maps(study);
-    let page = page::page(job, &result, (&files, &maps), &understood, found);
+    let page = page::page(job, &result, (&files, &maps), (&understood, works), found);
+    files.extend(works.map(Listed::files).transpose()?.into_iter().flatten());
     files.push(OutFile::new("report.html", page));
     files.push(OutFile::new("result.json", result::to_json(&result)?));
     files.extend(files::lying_beside(settings, &files));

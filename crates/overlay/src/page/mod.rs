@@ -4,6 +4,7 @@ mod cards;
 mod overview;
 mod plots;
 mod tables;
+mod works;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -16,6 +17,7 @@ use super::canvas::shrink_png;
 use super::html::Html;
 use super::measure::{fixed, number, plain_name, sentence_case, short, wordings};
 use super::result::{Candidate, RoundResult, Sense};
+use super::works::WorksResult;
 use enfilade_cad::drawing::Format;
 
 /// Pictures of a page take at most this many bytes; above it all are halved in size until they fit,
@@ -66,6 +68,10 @@ pub struct ReportInput<'a> {
     pub convergence: Option<&'a [u8]>,
     /// What was understood of the drawing.
     pub understood: Option<&'a [u8]>,
+    /// What building works would bring.
+    pub works: Option<&'a WorksResult>,
+    /// Its picture.
+    pub works_picture: Option<&'a [u8]>,
     /// Names of the values of the archive: measures, `score`, penalties.
     pub archive_axes: Vec<String>,
     /// Layouts measured on the way; may be a sample.
@@ -88,8 +94,16 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
     header(&mut html, input);
     tables::questions(&mut html, input.result);
     tables::options(&mut html, input.result);
+    // Where there is no option, works are what the round has to say.
+    let has_options = !input.result.candidates.is_empty();
+    if !has_options {
+        works::works(&mut html, &fitted);
+    }
     cards::stage(&mut html, &fitted);
     cards::grid(&mut html, &fitted);
+    if has_options {
+        works::works(&mut html, &fitted);
+    }
     tables::numbers(&mut html, input.result);
     tables::thresholds(&mut html, input.result);
     tables::moves(&mut html, input.result);
@@ -375,7 +389,7 @@ struct Shrunk {
     present: Vec<Vec<u8>>,
     candidates: Vec<Vec<Vec<u8>>>,
     best: Vec<Vec<u8>>,
-    others: [Option<Vec<u8>>; 3],
+    others: [Option<Vec<u8>>; 4],
 }
 
 /// The page's input with the pictures to embed.
@@ -387,6 +401,7 @@ struct Fitted<'a> {
     diversity: Option<&'a [u8]>,
     convergence: Option<&'a [u8]>,
     understood: Option<&'a [u8]>,
+    works: Option<&'a [u8]>,
 }
 
 impl Fitted<'_> {
@@ -411,7 +426,8 @@ impl Shrunk {
             present: own(&input.present),
             candidates: input.candidates.iter().map(|c| own(c)).collect(),
             best: own(&input.best),
-            others: [input.diversity, input.convergence, input.understood].map(|p| p.map(<[u8]>::to_vec)),
+            others: [input.diversity, input.convergence, input.understood, input.works_picture]
+                .map(|p| p.map(<[u8]>::to_vec)),
         };
         let mut may_shrink = true;
         while may_shrink && all.pictures().map(|p| p.len()).sum::<usize>() > MAX_PICTURE_BYTES {
@@ -438,7 +454,7 @@ impl Shrunk {
         let views = |views: &'a [View<'a>], pngs: &'a [Vec<u8>]| -> Vec<View<'a>> {
             views.iter().zip(pngs).map(|(v, png)| View { measure: v.measure, png }).collect()
         };
-        let [diversity, convergence, understood] = self.others.each_ref().map(|p| p.as_deref());
+        let [diversity, convergence, understood, works] = self.others.each_ref().map(|p| p.as_deref());
         Fitted {
             input,
             present: views(&input.present, &self.present),
@@ -447,6 +463,7 @@ impl Shrunk {
             diversity,
             convergence,
             understood,
+            works,
         }
     }
 }
@@ -481,6 +498,8 @@ mod tests {
             diversity: None,
             convergence: None,
             understood: None,
+            works: None,
+            works_picture: None,
             archive_axes: Vec::new(),
             archive: Vec::new(),
             command: "",

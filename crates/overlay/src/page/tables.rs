@@ -305,7 +305,9 @@ pub fn problems(html: &mut Html, input: &ReportInput<'_>) {
     }
     html.raw("<div class=\"scroll\"><table class=\"problems\">\n<tbody>\n");
     for severity in ["error", "warning", "info"] {
-        let of_severity = result.problems.iter().filter(|p| kind_of(p) == severity);
+        // Works have a section of their own.
+        let is_shown = |p: &&ProblemEntry| input.works.is_some() && p.code.starts_with("work");
+        let of_severity = result.problems.iter().filter(|p| kind_of(p) == severity && !is_shown(p));
         for (p, others) in gathered(of_severity, |p| (&p.code, &p.text)) {
             html.open("tr", &[("class", severity)]).element("th", &[("scope", "row")], word_of(severity));
             html.raw("<td class=\"word\">").words(&p.text);

@@ -145,6 +145,8 @@ impl Sample {
             diversity: Some(&self.diversity),
             convergence: Some(&self.convergence),
             understood: Some(&self.understood),
+            works: None,
+            works_picture: None,
             archive_axes: ["degree", "depth", "entropy", "score", "clearance_m2"].map(str::to_owned).to_vec(),
             archive: self.archive.clone(),
             command: "enfilade run hôtel-particulier-r03.dxf --unit m --spacing 1.3333 --evaluations 2000 --members 5 --seed 1",

@@ -10,11 +10,12 @@ use crate::search::gain;
 use enfilade_config::{Aim, Held, Measure, Method, Mode, PairName, Penalty, Settings, Thresholds};
 use enfilade_search::{Evaluation, Sense};
 
-/// Threshold of the implied penalty objective: no option has more of it than the present layout. To ask
-/// for less would pin every option to the few places where the penalty is least.
+/// Threshold of the implied penalty objective of the published method: no option has more of it than the present layout.
+/// To ask for less would pin every option to the few places where the penalty is least.
 const PENALTY_THRESHOLD: f64 = 0.0;
 
-/// Objectives in order: the penalty first unless `score` holds it.
+/// Objectives in order; in the published method the penalty first unless `score` holds it. Elsewhere a penalty weighs
+/// ([`weight`]).
 pub(crate) fn objectives(settings: &Settings) -> Vec<(Aim, enfilade_search::Objective)> {
     let objective = |aim: Aim, is_max: bool, threshold: f64| {
         let o = enfilade_search::Objective {
@@ -28,7 +29,7 @@ pub(crate) fn objectives(settings: &Settings) -> Vec<(Aim, enfilade_search::Obje
     };
     let mut out = Vec::new();
     let named = settings.objectives.iter().any(|o| !o.measure.measure.is_of_cells());
-    if !named && !settings.penalties.is_empty() {
+    if settings.method == Method::Paper && !named && !settings.penalties.is_empty() {
         out.push(objective(Aim::mean(Measure::Penalty), false, PENALTY_THRESHOLD));
     }
     out.extend(settings.objectives.iter().map(|o| objective(o.measure, o.is_max, o.threshold)));
@@ -64,7 +65,19 @@ pub(crate) fn gained(study: &Study, settings: &Settings, objectives: &Aims, wort
     let of = |worth: &Worth| evaluation(study, settings, objectives, worth).values;
     let all = objectives.iter().zip(of(worth).into_iter().zip(of(&study.initial)));
     let aims = all.filter(|((_, o), _)| !o.is_penalty);
-    aims.map(|((_, o), (now, present))| gain::relative_gain(o.sense == Sense::Max, now, present)).sum()
+    let gains = aims.map(|((_, o), (now, present))| gain::relative_gain(o.sense == Sense::Max, now, present));
+    gains.sum::<f64>() - weight(study, settings, worth)
+}
+
+/// What the penalties of a layout weigh against its gains, beyond those of the present one: 1 as much as a gain of 100 %.
+/// Nothing in the published method, and where the user made them an objective.
+pub(crate) fn weight(study: &Study, settings: &Settings, worth: &Worth) -> f64 {
+    let is_aim = settings.objectives.iter().any(|o| !o.measure.measure.is_of_cells());
+    if is_aim || settings.method == Method::Paper {
+        return 0.0;
+    }
+    let more = study.penalty(worth, settings) - study.penalty(&study.initial, settings);
+    if more > PENALTY_FREE { more } else { 0.0 }
 }
 
 /// The pairs of regions of objectives, of the score where it is one, and of limits, of which nothing is seen any more, though it is at present; the unnamed one is
@@ -100,7 +113,7 @@ fn crossing_m(study: &Study, settings: &Settings, worth: &Worth) -> f64 {
 /// A sum of losses up to this is no reason to look elsewhere: the way to a gain may lead through it.
 const LOSS_FREE: f64 = 0.02;
 
-/// What a layout loses over all objectives against the present one, where it loses more than it gains and the
+/// What a layout loses over all objectives against the present one, penalties too, where it loses more than it gains and the
 /// thresholds are not the user's own: lowered, they would admit it. Where the present layout breaks a limit,
 /// keeping it is worth a loss.
 fn loss(
@@ -112,14 +125,15 @@ fn loss(
     let is_measure = |aim: &Aim| !matches!(aim.measure, Measure::Score | Measure::Penalty);
     let aims: Vec<_> = objectives.iter().filter(|(aim, _)| is_measure(aim)).collect();
     let breaks_limit = || limits::missed(study, settings, &study.initial).iter().any(|m| *m > 0.0);
-    if is_firm(settings) || aims.len() < 2 || breaks_limit() {
+    let weight = weight(study, settings, worth);
+    if is_firm(settings) || aims.len() < 2 && weight == 0.0 || breaks_limit() {
         return 0.0;
     }
     let gain = |(aim, o): &&(Aim, enfilade_search::Objective)| {
         let is_more_better = o.sense == Sense::Max;
         gain::relative_gain(is_more_better, study.value(worth, *aim), study.value(&study.initial, *aim))
     };
-    let gained: f64 = aims.iter().map(gain).sum();
+    let gained = aims.iter().map(gain).sum::<f64>() - weight;
     if gained < -LOSS_FREE { -gained - LOSS_FREE } else { 0.0 }
 }
 

@@ -8,6 +8,7 @@ use crate::confirm::found::Found;
 use crate::job::Job;
 use crate::measure::study::Study;
 use crate::read;
+use crate::works::Listed;
 use crate::write::heat_maps::{MapLook, heat_map};
 use crate::write::made::Made;
 use crate::write::maps::{self, Map};
@@ -21,6 +22,7 @@ use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
 use enfilade_overlay::measure::{CHANGE, sentence_case};
 use enfilade_overlay::result::{Explanation, RoundResult};
 use enfilade_overlay::words::{by_north, explained, note_lines};
+use enfilade_overlay::works::works_additions;
 use enfilade_overlay::{
     Palette, Scale, arrow_additions, convergence_png, diversity_png, heat_additions, moved_additions,
 };
@@ -101,7 +103,7 @@ pub(crate) fn pictures(job: Job<'_>, study: &Study, made: &[&Made]) -> Result<Ve
 pub(crate) fn drawings(
     job: Job<'_>,
     study: &Study,
-    made: &[&Made],
+    (made, works): (&[&Made], Option<&Listed>),
     result: &RoundResult,
 ) -> Result<Vec<OutFile>, Error> {
     let Job { input, settings } = job;
@@ -124,7 +126,10 @@ pub(crate) fn drawings(
     let files = jobs.par_iter().map(|of| {
         let mut additions = heat(*of);
         let (name, edits) = match of {
-            None => ("initial".to_string(), Vec::new()),
+            None => {
+                additions.extend(works.into_iter().flat_map(|w| works_additions(&w.walls)));
+                ("initial".to_string(), Vec::new())
+            }
             Some(i) => {
                 let m = &made[*i];
                 let traces = traces::of(&study.base, &m.layout);

@@ -2,6 +2,7 @@
 
 use crate::confirm::found::Found;
 use crate::job::{Input, Job};
+use crate::works::Listed;
 use crate::write::maps::Map;
 use enfilade_config::{Allow, Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure};
 use enfilade_overlay::measure::CHANGE;
@@ -17,7 +18,7 @@ pub(crate) fn page(
     job: Job<'_>,
     result: &RoundResult,
     (files, maps): (&[OutFile], &[Map]),
-    understood: &[u8],
+    (understood, works): (&[u8], Option<&Listed>),
     found: Option<&Found>,
 ) -> String {
     let Job { input, settings } = job;
@@ -39,6 +40,8 @@ pub(crate) fn page(
         diversity: png("diversity.png").filter(|_| !result.candidates.is_empty()),
         convergence: png("convergence.png").filter(|_| found.is_some()),
         understood: Some(understood),
+        works: works.map(|w| &w.result),
+        works_picture: works.map(|w| w.picture.as_slice()),
         archive_axes,
         archive,
         command: &command(input, settings, result),

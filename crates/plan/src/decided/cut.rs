@@ -173,7 +173,7 @@ pub(super) fn cut(walls: &mut Vec<Wall>, ground: &[DVec2], layer: &str, scale: S
         out.extend(outside.into_iter().map(|r| piece(line_shape(r))));
     }
     let apart = FACES_APART_M / scale.unit_m();
-    out.extend(ends(crossings, ground, apart, &trace));
+    out.extend(ends(crossings, ground, apart, trace));
     *walls = out;
     gone
 }

@@ -1,0 +1,34 @@
+//! What building works would bring: the list that every round has, with its picture.
+
+use super::super::html::Html;
+use super::super::works::{WorkEntry, WorksResult};
+use super::Fitted;
+
+/// Works that are listed, allowed and forbidden.
+const SHOWN: [usize; 2] = [5, 3];
+
+/// The list and its picture; nothing where no work was measured.
+pub(super) fn works(html: &mut Html, input: &Fitted<'_>) {
+    let (Some(works), Some(png)) = (input.input.works, input.works) else { return };
+    html.raw("<section>\n<h2>What one building work would bring</h2>\n<div class=\"pair\">\n<div>\n");
+    let [allowed, forbidden] = [true, false].map(|is| works.different(is, SHOWN[usize::from(!is)]));
+    if !allowed.is_empty() {
+        list(html, works, &allowed, "ol");
+    }
+    if !forbidden.is_empty() {
+        html.raw("<h3>Not offered</h3>\n");
+        list(html, works, &forbidden, "ul");
+    }
+    html.element("p", &[], &works.proof()).raw("\n</div>\n<figure>\n");
+    html.picture(png, "sheet", "Each wall in the colour of the best opening in it");
+    html.element("figcaption", &[], "Each wall in the colour of the best opening in it; grey: not allowed.");
+    html.raw("</figure>\n</div>\n</section>\n");
+}
+
+fn list(html: &mut Html, works: &WorksResult, of: &[&WorkEntry], tag: &'static str) {
+    html.raw("<").raw(tag).raw(">\n");
+    for work in of {
+        html.raw("<li>").words(&format!("{}.", works.line(work))).raw("</li>\n");
+    }
+    html.raw("</").raw(tag).raw(">\n");
+}
