@@ -324,7 +324,7 @@ pub struct SearchArgs {
     /// Weights of the composite measure: "degree +1, depth -1, entropy +1".
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub score: Option<String>,
-    /// Weights of the penalties: "clearance 1, wall-length 1", or "none".
+    /// What weighs against gains: "clearance 1, wall-length 0.5", or "none". 1 weighs as a gain of 100 %.
     #[arg(long, value_name = "LIST")]
     pub penalty: Option<String>,
     /// How far apart options should be, as a fraction of the largest distance.

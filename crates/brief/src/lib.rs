@@ -6,12 +6,14 @@
 pub mod column;
 mod measure;
 mod table;
+mod work;
 
 use serde::{Deserialize, Serialize};
 
 pub use column::Heading;
 pub use measure::{Growth, Measure, Source};
 pub use table::{Entry, Row, TABLE, Wording, column_of, columns, entries, rows};
+pub use work::WorkKind;
 
 /// Whether more or less of something is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

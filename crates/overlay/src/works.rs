@@ -209,6 +209,7 @@ impl WorksResult {
             "outer-wall" => "the wall is an outer wall".into(),
             "last-door" => "the room would lose its last door".into(),
             "kept" => "a mark keeps the wall".into(),
+            "not-marked" => "no mark allows it".into(),
             other => other.to_owned(),
         };
         let mut all: Vec<String> = work.forbidden_by.iter().map(one).collect();

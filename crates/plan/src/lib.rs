@@ -25,6 +25,7 @@
 //! # Ok::<(), enfilade_report::Error>(())
 //! ```
 
+pub mod allowed;
 pub mod axes;
 pub mod by_place;
 mod choice;
@@ -261,7 +262,8 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         false => units::person_scale(&drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit),
     };
     state_unit(&drawing, &unit, size_m, human_scale, report);
-    let markers = markers::read(&drawing, options, &unused_marks, &frame, report);
+    let mut markers = markers::read(&drawing, options, &unused_marks, &frame, report);
+    markers.allowed.extend(allowed::stated(&drawing, unit.unit.metres, report));
     let is_wall = |i: usize| picked.binary_search(&i).is_ok();
     let (obstacles, outdoors) = match as_drawn {
         true => Default::default(),

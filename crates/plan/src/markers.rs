@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::PlanOptions;
+use super::allowed::{self, Allowed, AllowedAt};
 use super::curve;
 use super::frame::Frame;
 use enfilade_cad::curve::control_points;
@@ -111,6 +112,8 @@ pub struct Markers {
     pub is_move_drawn: bool,
     /// Named pairs of regions, by name.
     pub pairs: Vec<Pair>,
+    /// Building works that marks allow, in the order of the file.
+    pub allowed: Vec<Allowed>,
 }
 
 impl Markers {
@@ -212,7 +215,9 @@ pub fn read(
             () => outlines.push((region, e)),
         }
     }
-    out.groups = groups(drawing, &outlines, frame, report);
+    (out.groups, out.allowed) = groups(drawing, &outlines, frame, report);
+    // Who marks works alone says nothing of moves.
+    let is_of_works = !outlines.is_empty() && out.groups.is_empty() && out.allowed.len() == outlines.len();
     for (option, layer, found) in [
         ("--query-layer", &options.query_layer, !out.query.is_empty()),
         ("--reference-layer", &options.reference_layer, !out.reference.is_empty()),
@@ -222,7 +227,8 @@ pub fn read(
         }
     }
     let misnamed = say_misnamed(drawing, [query, reference], report);
-    out.is_move_drawn = misnamed || moves_elsewhere || layers_drawn_on(drawing).any(is_move_on);
+    let is_drawn = layers_drawn_on(drawing).any(is_move_on) && !is_of_works;
+    out.is_move_drawn = misnamed || moves_elsewhere || is_drawn;
     out
 }
 
@@ -319,7 +325,7 @@ fn groups(
     outlines: &[(Region, &Entity)],
     frame: &Frame,
     report: &mut Report,
-) -> Vec<Group> {
+) -> (Vec<Group>, Vec<Allowed>) {
     let mut texts: Vec<Vec<&Text>> = vec![Vec::new(); outlines.len()];
     for text in drawing.texts.iter().filter(|t| own_layers::bare(&t.layer).eq_ignore_ascii_case(MOVE)) {
         let at = frame.um_from_file(text.at);
@@ -332,7 +338,7 @@ fn groups(
             }
         }
     }
-    let mut out = Vec::new();
+    let (mut out, mut works) = (Vec::new(), Vec::new());
     for (i, (outline, entity)) in outlines.iter().enumerate() {
         let mut group = Group {
             name: format!("move-{}", i + 1),
@@ -340,13 +346,25 @@ fn groups(
             clauses: Vec::new(),
             source: entity.source.clone(),
         };
+        let mut of_works = Vec::new();
         for text in &texts[i] {
             for clause in text.text.split([';', '\n']).map(str::trim).filter(|c| !c.is_empty()) {
-                if let Err(why) = read_clause(clause, frame, drawing, &mut group) {
+                let read = match allowed::is_work(clause) {
+                    true => allowed::read(clause, frame.metres_per_unit).map(|work| of_works.push(work)),
+                    false => read_clause(clause, frame, drawing, &mut group),
+                };
+                if let Err(why) = read {
                     let words = format!("{clause:?}: {why}; this clause is ignored");
                     report.warn("move-clause", place(drawing, &text.source), words);
                 }
             }
+        }
+        let has_works = !of_works.is_empty();
+        if has_works {
+            works.push(Allowed { at: AllowedAt::Inside(outline.clone()), works: of_works });
+        }
+        if group.clauses.is_empty() && has_works {
+            continue;
         }
         if group.clauses.is_empty() {
             let words = "found no text inside that can be read and says how the group moves, expected for example `x -1m 1m; rotate -15 15`; \
@@ -357,7 +375,7 @@ fn groups(
         }
     }
     tell_apart(&mut out, drawing, report);
-    out
+    (out, works)
 }
 
 /// Gives every group a name of its own: of groups with one name (in any case) the first keeps it.
@@ -391,7 +409,8 @@ pub fn read_clauses(text: &str, drawing: &Drawing, frame: &Frame) -> Result<Vec<
     let source = SourceRef { record: 0, handle: None, line: 0, kind: String::new(), layer: String::new() };
     let outline = Region::Ring(Vec::new());
     let mut group = Group { name: String::new(), outline, clauses: Vec::new(), source };
-    for clause in text.split([';', '\n']).map(str::trim).filter(|c| !c.is_empty()) {
+    let clauses = text.split([';', '\n']).map(str::trim);
+    for clause in clauses.filter(|c| !c.is_empty() && !allowed::is_work(c)) {
         read_clause(clause, frame, drawing, &mut group).map_err(|why| format!("{clause:?}: {why}"))?;
     }
     if group.clauses.is_empty() { Err("`moves` is empty".into()) } else { Ok(group.clauses) }
@@ -434,7 +453,7 @@ fn read_clause(clause: &str, frame: &Frame, drawing: &Drawing, group: &mut Group
     let clause = clause.replace(['−', '–', '‒', '‐', '‑', '﹣', '－'], "-");
     let words: Vec<&str> = clause.split_whitespace().collect();
     let expected = "expected `x LOW HIGH`, `y LOW HIGH`, `along DEGREES LOW HIGH`, `rotate LOW HIGH [about X,Y]`, \
-                    `scale LOW HIGH [about X,Y]` or `name WORD`";
+                    `scale LOW HIGH [about X,Y]`, `name WORD`, or a work such as `open 0.9m 2.4m`";
     let Some((head, rest)) = words.split_first() else { return Ok(()) };
     match (head.to_lowercase().as_str(), rest) {
         ("name", name) if !name.is_empty() => {

@@ -1,15 +1,17 @@
 //! All works that a plan allows, and those that a rule forbids, with what each brings.
 
+mod added;
 mod partition;
 
 use std::collections::BTreeMap;
 
+use enfilade_brief::WorkKind;
 use enfilade_plan::axes::AxisGraph;
 use rayon::prelude::*;
 
 use crate::change::Change;
 use crate::counts::{Counts, Present, STEP_M, Shows, Through, counts};
-use crate::kind::WorkKind;
+use crate::marks::{Word, widths_m, word};
 use crate::rooms::{Room, RoomId};
 use crate::rule::{Rule, Thickness, between};
 use crate::walls::{Wall, WallEnd, WallId, chains};
@@ -93,7 +95,9 @@ pub fn works(site: &Site<'_>, is_stopped: &(dyn Fn() -> bool + Sync)) -> Works {
         false => finder.in_chain(c),
     });
     let mut out = Works::default();
-    for part in of_walls.chain(of_chains).collect::<Vec<_>>() {
+    let parts: Vec<Works> = of_walls.chain(of_chains).collect();
+    let added = if is_stopped() { Works::default() } else { finder.added() };
+    for part in parts.into_iter().chain([added]) {
         out.works.extend(part.works);
         out.tried += part.tried;
         out.legal += part.legal;
@@ -140,6 +144,21 @@ impl Finder<'_> {
         self.site.present.rooms
     }
 
+    /// Widths that are tried, ascending: the usual ones, and those that marks name.
+    fn widths_m(&self) -> Vec<f64> {
+        let usual = WIDTHS_M.map(|w| w * self.scale());
+        let mut all: Vec<f64> = usual.into_iter().chain(widths_m(self.site.present.plan)).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+        all
+    }
+
+    /// What marks say of a work.
+    fn word(&self, kind: WorkKind, size_m: f64, stretch: [glam::DVec2; 2], walls: &[WallId]) -> Word {
+        let walls: Vec<&Wall> = walls.iter().map(|w| &self.site.walls[w.0]).collect();
+        word(self.site.present.plan, kind, size_m, stretch, &walls)
+    }
+
     fn rules(&self, walls: &[WallId], pair: Pair) -> Vec<Rule> {
         let of = |w: &WallId| {
             between(&self.site.walls[w.0], &self.thickness, self.site.is_kept[w.0], self.rooms(), pair)
@@ -167,7 +186,7 @@ impl Finder<'_> {
         let [lo, hi] = wall.free(self.scale());
         if hi - lo >= WIDTHS_M[0] * self.scale() - 1e-9 && self.is_between_rooms(wall, [lo, hi]) {
             let through = self.site.present.through(wall, [lo, hi]);
-            for width_m in WIDTHS_M.map(|w| w * self.scale()) {
+            for width_m in self.widths_m() {
                 let run = Run { wall, from_m: lo, step_m: STEP_M * self.scale(), width_m };
                 self.openings(id, &run, hi, &through, &mut out);
             }
@@ -198,62 +217,63 @@ impl Finder<'_> {
         }
         let places = (room / run.step_m + 1e-6).floor() as usize + 1;
         let found = counts(through, run.from_m, run.step_m, places, run.width_m);
-        let mut by_pair: BTreeMap<Pair, Vec<usize>> = BTreeMap::new();
-        for k in 0..places {
-            if let Some(pair) = self.pair(run.wall, run.stretch(k)) {
-                by_pair.entry(pair).or_default().push(k);
+        let pairs = (0..places).filter_map(|k| Some((k, self.pair(run.wall, run.stretch(k))?)));
+        let pairs: Vec<(usize, Pair)> = pairs.filter(|(_, p)| p.iter().all(Option::is_some)).collect();
+        let width = run.width_m / self.scale();
+        let (is_door, is_glass) = ((width - DOOR_M).abs() < 1e-6, width >= GLASS_M - 1e-6);
+        let kinds = [(WorkKind::Open, true), (WorkKind::Door, is_door), (WorkKind::Glaze, is_glass)];
+        for kind in kinds.into_iter().filter(|(_, is_tried)| *is_tried).map(|(kind, _)| kind) {
+            let mut alike: BTreeMap<(Word, Pair), Vec<usize>> = BTreeMap::new();
+            for (k, pair) in &pairs {
+                let ends = run.stretch(*k).map(|t| run.wall.point(t, 0.0));
+                alike.entry((self.word(kind, run.width_m, ends, &[id]), *pair)).or_default().push(*k);
             }
-        }
-        for (pair, ks) in by_pair.into_iter().filter(|(pair, _)| pair.iter().all(Option::is_some)) {
-            let rules = self.rules(&[id], pair);
-            out.tried += ks.len();
-            if rules.is_empty() {
-                out.legal += ks.iter().filter(|k| found.openly[**k] == 0).count();
+            for ((word, pair), ks) in alike {
+                let rules = word.rules(self.rules(&[id], pair));
+                // A place counts once, whatever is made there.
+                if kind == WorkKind::Open {
+                    let is_legal =
+                        |k: &usize| rules.is_empty() && (word == Word::Granted || found.openly[*k] == 0);
+                    out.tried += ks.len();
+                    out.legal += ks.iter().filter(|k| is_legal(k)).count();
+                }
+                let Some((k, shows)) = best(&found, &ks) else { continue };
+                let mut forbidden_by = rules;
+                let is_said = forbidden_by.iter().any(|r| matches!(r, Rule::Private(_)));
+                if shows == Shows::Openly && word != Word::Granted && !is_said {
+                    forbidden_by.push(Rule::ShowsPrivate);
+                }
+                let gained = found.gained[k] as i64;
+                let work = self.opening((kind, id), run, run.stretch(k), pair, (gained, shows, forbidden_by));
+                out.works.push(work);
             }
-            let Some((k, shows)) = best(&found, &ks) else { continue };
-            let mut forbidden_by = rules;
-            if shows == Shows::Openly && forbidden_by.iter().all(|r| !matches!(r, Rule::Private(_))) {
-                forbidden_by.push(Rule::ShowsPrivate);
-            }
-            let gained = found.gained[k] as i64;
-            self.push_opening(id, run, run.stretch(k), pair, (gained, shows, &forbidden_by), out);
         }
     }
 
-    fn push_opening(
+    fn opening(
         &self,
-        id: WallId,
+        (kind, id): (WorkKind, WallId),
         run: &Run<'_>,
         stretch: [f64; 2],
         rooms: Pair,
-        (gained, shows, forbidden_by): (i64, Shows, &[Rule]),
-        out: &mut Works,
-    ) {
+        (gained, shows, forbidden_by): (i64, Shows, Vec<Rule>),
+    ) -> Work {
         let plan = self.site.present.plan;
         let jambs = run.wall.jambs(plan, stretch).to_vec();
-        let change = Change { demolished: vec![run.wall.quad(plan, stretch)], built: jambs };
-        let width = run.width_m / self.scale();
-        let mut kinds = vec![(WorkKind::Open, 0.0)];
-        if (width - DOOR_M).abs() < 1e-6 {
-            kinds.push((WorkKind::Door, 0.0));
-        }
-        if width >= GLASS_M - 1e-6 {
-            kinds.push((WorkKind::Glaze, run.width_m));
-        }
-        out.works.extend(kinds.into_iter().map(|(kind, built_m)| Work {
+        Work {
             kind,
             walls: vec![id],
             opening: None,
             stretch: stretch.map(|t| run.wall.point(t, 0.0)),
             width_m: run.width_m,
             rooms,
-            change: change.clone(),
+            change: Change { demolished: vec![run.wall.quad(plan, stretch)], built: jambs },
             demolished_m: run.width_m,
-            built_m,
+            built_m: if kind == WorkKind::Glaze { run.width_m } else { 0.0 },
             gained,
             shows_through_doors: shows == Shows::ThroughDoors,
-            forbidden_by: forbidden_by.to_vec(),
-        }));
+            forbidden_by,
+        }
     }
 
     /// A free end that goes back.
@@ -274,8 +294,9 @@ impl Finder<'_> {
             let found = counts(&through, from, STEP_M * scale, 1, f64::from(u32::MAX));
             let stretch = [from, wall.length_m];
             let Some(pair) = self.pair(&wall, stretch) else { continue };
-            let mut forbidden_by = self.rules(&[id], pair);
-            if found.openly[0] > 0 {
+            let word = self.word(WorkKind::End, back, stretch.map(|t| wall.point(t, 0.0)), &[id]);
+            let mut forbidden_by = word.rules(self.rules(&[id], pair));
+            if found.openly[0] > 0 && word != Word::Granted {
                 forbidden_by.push(Rule::ShowsPrivate);
             }
             out.tried += 1;

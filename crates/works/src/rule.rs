@@ -32,6 +32,8 @@ pub enum Rule {
     Dwellings,
     /// A mark keeps the wall.
     Kept,
+    /// Marks say what is allowed, and this is not among it.
+    Unmarked,
     /// It would take a room's last door.
     LastDoor(RoomId),
 }
@@ -50,6 +52,7 @@ impl Rule {
             Self::ShowsPrivate => "shows-private-room",
             Self::Dwellings => "between-dwellings",
             Self::Kept => "kept",
+            Self::Unmarked => "not-marked",
             Self::LastDoor(_) => "last-door",
         }
     }

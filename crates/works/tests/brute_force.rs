@@ -15,11 +15,15 @@ use enfilade_report::Report;
 use enfilade_works::counts::{Present, counts};
 use enfilade_works::rooms::rooms_of;
 use enfilade_works::walls::{WallEnd, walls};
-use enfilade_works::{Change, Room, Rule, Site, WorkKind, works};
+use enfilade_works::{Change, Room, Rule, Site, Work, WorkKind, Works, works};
 
-/// Two rooms side by side, 10 × 5 m, walls of 0.3 m, a partition of 0.1 m at x = 6 with a door of 0.9 m at its foot.
-fn house() -> (Drawing, Plan, AxisGraph) {
+/// Two rooms side by side, 10 × 5 m, walls of 0.3 m, a partition of 0.1 m at x = 6 with a door of 0.9 m at its foot. With a
+/// text, a mark round the partition and what lies left of it says that.
+fn house(mark: Option<&str>) -> (Drawing, Plan, AxisGraph) {
     let mut d = empty("m", 1.0);
+    if let Some(text) = mark {
+        d.group([-0.5, -0.5], [7.0, 5.5], text);
+    }
     d.ring("WALLS", &[[-0.3, -0.3], [10.3, -0.3], [10.3, 5.3], [-0.3, 5.3]]);
     for [ax, ay, bx, by] in [
         [0.0, 0.0, 10.0, 0.0],
@@ -68,7 +72,7 @@ fn degrees(lattice: &Lattice, segments: Vec<Segment>) -> u64 {
 
 #[test]
 fn every_opening_gains_what_it_is_counted_for() {
-    let (_, plan, axes) = house();
+    let (_, plan, axes) = house(None);
     let segments: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
     let (lattice, rooms) =
         (lattice(), [room([0.0, 5.95], RoomKind::Living), room([6.05, 10.0], RoomKind::Kitchen)]);
@@ -117,7 +121,12 @@ fn every_opening_gains_what_it_is_counted_for() {
 }
 
 fn found(rooms: &[Room]) -> Vec<(WorkKind, i64, Vec<Rule>)> {
-    let (_, plan, axes) = house();
+    let works = found_where(rooms, None).works;
+    works.into_iter().map(|w| (w.kind, w.gained, w.forbidden_by)).collect()
+}
+
+fn found_where(rooms: &[Room], mark: Option<&str>) -> Works {
+    let (_, plan, axes) = house(mark);
     let segments: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
     let lattice = lattice();
     let obstacles = Obstacles { segments: segments.clone(), blind: Vec::new() };
@@ -142,7 +151,32 @@ fn found(rooms: &[Room]) -> Vec<(WorkKind, i64, Vec<Rule>)> {
         let then = degrees(&lattice, work.change.apply(&segments)) as i64;
         assert_eq!(then - now, work.gained, "{:?} {:?}", work.kind, work.stretch);
     }
-    all.works.iter().map(|w| (w.kind, w.gained, w.forbidden_by.clone())).collect()
+    all
+}
+
+/// Where marks allow works, these and no others are offered, of the widths that they say; a mark stands above what the
+/// program guesses of privacy.
+#[test]
+fn marks_say_what_is_allowed() {
+    let rooms = [room([0.0, 5.95], RoomKind::Living), room([6.05, 10.0], RoomKind::Bedroom)];
+    let all = found_where(&rooms, Some("open 1.5m; remove; add; end -0.5m 0"));
+    let allowed: Vec<&Work> = all.works.iter().filter(|w| w.forbidden_by.is_empty()).collect();
+    assert!(allowed.iter().any(|w| w.kind == WorkKind::Open), "{allowed:?}");
+    for work in &allowed {
+        match work.kind {
+            WorkKind::Open => assert!((work.width_m - 1.5).abs() < 1e-9, "{work:?}"),
+            WorkKind::Remove => {}
+            WorkKind::Add => assert!(work.gained < 0 && work.rooms[0] == work.rooms[1], "{work:?}"),
+            other => panic!("{other:?} was not marked"),
+        }
+    }
+    assert!(
+        allowed.iter().any(|w| w.kind == WorkKind::Remove) && allowed.iter().any(|w| w.kind == WorkKind::Add)
+    );
+    let others = all.works.iter().filter(|w| !w.forbidden_by.is_empty());
+    assert!(others.clone().all(|w| w.forbidden_by.contains(&Rule::Unmarked)) && others.count() > 3);
+    let unmarked = found_where(&rooms, None).works;
+    assert!(unmarked.iter().all(|w| !w.forbidden_by.contains(&Rule::Unmarked) && w.kind != WorkKind::Add));
 }
 
 #[test]

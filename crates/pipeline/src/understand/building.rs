@@ -12,6 +12,7 @@ use enfilade_cad::plane::{box_of, distance_to_segment, is_inside_ring};
 use enfilade_config::{MoveTable, Settings};
 use enfilade_engine::Region;
 use enfilade_engine::geometry::{PointUm, Segment};
+use enfilade_plan::allowed::is_of_works_alone;
 use enfilade_plan::axes::Opening;
 use enfilade_plan::curve::{self, Trace};
 use enfilade_plan::views::FAR_M;
@@ -116,6 +117,11 @@ pub(crate) fn count(openings: &[NamedOpening], are_doors: bool) -> u64 {
     of_kind.map(|o| o.record).collect::<BTreeSet<usize>>().len() as u64
 }
 
+/// The marks of elements that say of moves; not those of works alone.
+pub(crate) fn movers(drawing: &Drawing) -> impl Iterator<Item = &MarkedMove> {
+    drawing.marked.iter().filter(|m| !is_of_works_alone(&m.text))
+}
+
 /// The moves that elements state of themselves: those that state one name and one move go together, every other by itself,
 /// under a name of its own.
 pub(crate) fn marked_moves(drawing: &Drawing) -> Vec<MoveTable> {
@@ -123,14 +129,12 @@ pub(crate) fn marked_moves(drawing: &Drawing) -> Vec<MoveTable> {
     let mut together: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     // A name that is stated by itself stands before one among the clauses.
     let own = |m: &MarkedMove| name_in(&m.text).filter(|_| !m.is_named);
-    let names: Vec<(String, bool)> = drawing
-        .marked
-        .iter()
+    let names: Vec<(String, bool)> = movers(drawing)
         .map(|m| own(m).map_or_else(|| (m.name.clone(), m.is_named), |name| (name, true)))
         .collect();
     let given: BTreeSet<&str> = names.iter().map(|n| n.0.as_str()).collect();
     let mut taken: BTreeSet<String> = BTreeSet::new();
-    for (marked, (own, is_named)) in drawing.marked.iter().zip(&names) {
+    for (marked, (own, is_named)) in movers(drawing).zip(&names) {
         let handle = marked.source.handle.clone().unwrap_or_default();
         let key = (own.as_str(), marked.text.as_str());
         if let Some(at) = together.get(&key).filter(|_| *is_named) {

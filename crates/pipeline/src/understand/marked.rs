@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use glam::DVec2;
 
 use crate::understand::behind::state_left_behind;
+use crate::understand::building::movers;
 use crate::understand::far::state_far_centres;
 use crate::understand::idle::{clause, without_idle};
 use crate::understand::jambs::ending_at_jambs;
@@ -25,7 +26,7 @@ use enfilade_report::{Error, Place, Report, counted};
 
 /// Whether anybody said in the drawing what moves or stays, so that it can be used or not: then nothing moves by default.
 pub(crate) fn is_any(drawing: &Drawing, plan: &Plan) -> bool {
-    plan.markers.is_move_drawn || !drawing.marked.is_empty() || drawing.idle_marks != IdleMarks::None
+    plan.markers.is_move_drawn || movers(drawing).next().is_some() || drawing.idle_marks != IdleMarks::None
 }
 
 /// Says so where marks were made and none can be used: nobody who marks a wall means all the others.

@@ -46,7 +46,7 @@ pub(crate) fn moves(
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
         return Ok(taken_up(moves, groups.iter().map(|g| &g.0), all, settings, report));
     }
-    if !drawing.marked.is_empty() && !settings.ignore_move_markers {
+    if building::movers(drawing).next().is_some() && !settings.ignore_move_markers {
         let stated = building::marked_moves(drawing);
         let (groups, records) = side_car_groups(drawing, plan, graph, (&stated, false), report)?;
         if groups.is_empty() {

@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use enfilade_brief::WorkKind;
+
 use super::{Finder, Pair, Run, WIDTHS_M, Work, Works, best, same};
 use crate::change::Change;
 use crate::counts::{Present, STEP_M, Shows, counts};
-use crate::kind::WorkKind;
+use crate::marks::Word;
 use crate::rooms::RoomId;
 use crate::rule::Rule;
 use crate::walls::{Chain, Wall, WallEnd, WallId, is_way};
@@ -52,8 +54,11 @@ impl Finder<'_> {
         }
         let Some(pair) = self.main_pair(line, stretch) else { return };
         let through = self.site.present.through(line, stretch);
-        let mut forbidden_by = self.rules(&chain.walls, pair);
+        let ends = stretch.map(|t| line.point(t, 0.0));
+        let word = self.word(WorkKind::Remove, stretch[1] - stretch[0], ends, &chain.walls);
+        let mut forbidden_by = word.rules(self.rules(&chain.walls, pair));
         if through.iter().any(|t| t.shows == Shows::Openly)
+            && word != Word::Granted
             && !forbidden_by.iter().any(|r| matches!(r, Rule::Private(_)))
         {
             forbidden_by.push(Rule::ShowsPrivate);
@@ -67,7 +72,7 @@ impl Finder<'_> {
             kind: WorkKind::Remove,
             walls: chain.walls.clone(),
             opening: None,
-            stretch: stretch.map(|t| line.point(t, 0.0)),
+            stretch: ends,
             width_m: length,
             rooms: pair,
             // Where it met other walls, their faces are made good.
@@ -128,15 +133,16 @@ impl Finder<'_> {
             |of: &enfilade_engine::graph::Graph| Present { graph: of, ..self.present() }.degrees() as i64;
         let lost = degrees(&after) - degrees(self.site.present.graph);
         let ways = |r: RoomId| self.ways(r);
-        let forbidden_by: Vec<Rule> =
-            [a, b].into_iter().filter(|r| ways(*r) <= 1).map(Rule::LastDoor).collect();
+        let last: Vec<Rule> = [a, b].into_iter().filter(|r| ways(*r) <= 1).map(Rule::LastDoor).collect();
+        let ends = [line.point(from, 0.0), line.point(to, 0.0)];
+        let forbidden_by = self.word(WorkKind::Close, to - from, ends, &chain.walls).rules(last);
         out.tried += 1;
         out.legal += usize::from(forbidden_by.is_empty());
         out.works.push(Work {
             kind: WorkKind::Close,
             walls: chain.walls.clone(),
             opening: Some(index),
-            stretch: [line.point(from, 0.0), line.point(to, 0.0)],
+            stretch: ends,
             width_m: to - from,
             rooms: pair,
             change: change.clone(),
@@ -176,7 +182,7 @@ impl Finder<'_> {
             return;
         }
         let through = self.site.present.through(line, limits);
-        for width_m in WIDTHS_M.map(|w| w * scale).into_iter().filter(|w| *w > to - from + 0.15 * scale) {
+        for width_m in self.widths_m().into_iter().filter(|w| *w > to - from + 0.15 * scale) {
             let step_m = STEP_M * scale;
             let least = (to - width_m).max(limits[0]);
             // From the present jamb on in whole steps, so that one side can stay.
@@ -187,15 +193,29 @@ impl Finder<'_> {
             }
             let places = ((most - first) / step_m + 1e-6).floor() as usize + 1;
             let found = counts(&through, first, step_m, places, width_m);
-            let rules = self.rules(&chain.walls, pair);
+            let by_default = self.rules(&chain.walls, pair);
+            let stretch_of = |k: usize| [0.0, width_m].map(|t| first + k as f64 * step_m + t);
+            let word = |k: usize| {
+                let ends = stretch_of(k).map(|t| line.point(t, 0.0));
+                self.word(WorkKind::Widen, width_m, ends, &chain.walls)
+            };
+            let words: Vec<Word> = (0..places).map(word).collect();
+            let is_legal = |k: &usize| {
+                let is_seen = words[*k] != Word::Granted && found.openly[*k] > 0;
+                words[*k].rules(by_default.clone()).is_empty() && !is_seen
+            };
             out.tried += places;
-            out.legal += if rules.is_empty() { found.openly.iter().filter(|p| **p == 0).count() } else { 0 };
-            let ks: Vec<usize> = (0..places).collect();
+            out.legal += (0..places).filter(is_legal).count();
+            // What a mark allows stands before what none does.
+            let Some(word) = words.iter().min().copied() else { continue };
+            let ks: Vec<usize> = (0..places).filter(|k| words[*k] == word).collect();
             let Some((k, shows)) = best(&found, &ks) else { continue };
-            let start = first + k as f64 * step_m;
-            let stretch = [start, start + width_m];
-            let mut forbidden_by = rules;
-            if shows == Shows::Openly && !forbidden_by.iter().any(|r| matches!(r, Rule::Private(_))) {
+            let stretch = stretch_of(k);
+            let mut forbidden_by = word.rules(by_default);
+            if shows == Shows::Openly
+                && word != Word::Granted
+                && !forbidden_by.iter().any(|r| matches!(r, Rule::Private(_)))
+            {
                 forbidden_by.push(Rule::ShowsPrivate);
             }
             out.works.push(Work {
@@ -309,9 +329,10 @@ impl Finder<'_> {
         let degrees =
             |graph: &enfilade_engine::graph::Graph| Present { graph, ..self.present() }.degrees() as i64;
         work.gained = degrees(&after) - degrees(p.graph);
-        let rules = self.rules(walls, work.rooms);
-        work.forbidden_by = rules.into_iter().filter(|r| !matches!(r, Rule::Private(_))).collect();
-        if shown(&after) > shown(p.graph) {
+        let rules = self.rules(walls, work.rooms).into_iter().filter(|r| !matches!(r, Rule::Private(_)));
+        let word = self.word(WorkKind::Rehang, work.width_m, work.stretch, walls);
+        work.forbidden_by = word.rules(rules.collect());
+        if word != Word::Granted && shown(&after) > shown(p.graph) {
             work.forbidden_by.push(Rule::ShowsPrivate);
         }
     }
