@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use crate::confirm::confirmed::gains;
 use crate::measure::faults::Faults;
 use crate::measure::worth::Worth;
 use crate::search::brief::Brief;
 use crate::search::judged::{evaluation, gained};
 use enfilade_config::{Allow, Settings};
+use enfilade_overlay::measure::trimmed;
 use enfilade_report::counted;
 
 /// Where in its bounds each move is tried alone, from the lower to the upper.
@@ -54,11 +56,24 @@ pub(crate) fn words(brief: &Brief<'_>) -> String {
     told(&held(brief), brief.study.base.plan.bearing.len())
 }
 
-/// How many single moves each rule alone holds back.
+/// What a rule holds back.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Held {
+    /// Single moves that gain enough on the lattice shown.
+    count: u64,
+    /// What the best of them surely gains, a share.
+    surely: f64,
+}
+
+/// Moves of each rule that are measured again: advice that does not help when it is followed is none.
+const TRIED_AGAIN: usize = 2;
+
+/// What each rule alone holds back.
 ///
 /// Each move is tried alone on the lattice shown. Counted are those that gain what an option must and break just one of
-/// these rules and nothing else: the word that permits it is then enough.
-fn held(brief: &Brief<'_>) -> BTreeMap<Rule, u64> {
+/// these rules and nothing else: the word that permits it is then enough. Rules of which the best move does not surely gain
+/// that, measured again on the lattices that options are confirmed on, are left out.
+fn held(brief: &Brief<'_>) -> BTreeMap<Rule, Held> {
     let Brief { study, settings, objectives, control, .. } = brief;
     let start = control.start();
     let alone = |(i, [lo, hi]): (usize, [f64; 2])| {
@@ -71,29 +86,42 @@ fn held(brief: &Brief<'_>) -> BTreeMap<Rule, u64> {
     };
     let vectors: Vec<Vec<f64>> = control.bounds().into_iter().enumerate().flat_map(alone).collect();
     let crossing = Settings { allow: Allow { crossings: true, ..settings.allow }, ..(*settings).clone() };
-    let mut held = BTreeMap::new();
-    for worth in study.measure_all(&vectors) {
+    let mut found: BTreeMap<Rule, Vec<(f64, usize)>> = BTreeMap::new();
+    for (i, worth) in study.measure_all(&vectors).into_iter().enumerate() {
         let lawful = Worth { faults: Faults::default(), ..worth.clone() };
         let violation = |settings: &Settings| evaluation(study, settings, objectives, &lawful).violation;
         let is_kept_else = violation(&crossing) == 0.0;
-        if !is_kept_else || gained(study, settings, objectives, &worth) < settings.least_gain {
+        let gain = gained(study, settings, objectives, &worth);
+        if !is_kept_else || gain < settings.least_gain {
             continue;
         }
         if let Some(rule) = Rule::alone(worth.faults, violation(settings) > 0.0) {
-            *held.entry(rule).or_default() += 1;
+            found.entry(rule).or_default().push((gain, i));
         }
     }
-    held
+    let sure = |(rule, mut moves): (Rule, Vec<(f64, usize)>)| {
+        moves.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let best: Vec<Vec<f64>> = moves.iter().take(TRIED_AGAIN).map(|m| vectors[m.1].clone()).collect();
+        let asked: Vec<&str> =
+            objectives.iter().filter(|(_, o)| !o.is_penalty).map(|(_, o)| o.name.as_str()).collect();
+        let again = gains(study, settings, objectives, &best);
+        let lows = again.iter().flat_map(|g| asked.iter().filter_map(|name| Some(g.get(*name)?.low)));
+        let surely = lows.fold(0.0, f64::max);
+        (surely >= settings.least_gain).then_some((rule, Held { count: moves.len() as u64, surely }))
+    };
+    found.into_iter().filter_map(sure).collect()
 }
 
 /// The same in words, and how many walls of the structure stay.
-fn told(held: &BTreeMap<Rule, u64>, structure: usize) -> String {
+fn told(held: &BTreeMap<Rule, Held>, structure: usize) -> String {
     let mut out = String::new();
-    for (rule, n) in held {
+    for (rule, Held { count, surely }) in held {
         let [would, word] = rule.words();
+        // Down to the last tenth: what is sure is never rounded up.
+        let percent = trimmed((surely * 1e3).floor() / 10.0, 1);
         out += &format!(
-            " {} that may gain enough would {would}. `--allow {word}` permits that.",
-            counted(*n, "single move")
+            " {} that may gain enough would {would}; the best surely gains {percent} %. `--allow {word}` permits that.",
+            counted(*count, "single move")
         );
     }
     if structure > 0 {
@@ -135,16 +163,17 @@ mod tests {
             let [would, word] = rule.words();
             let allow: Allow = word.parse().unwrap();
             assert!(permitted(rule, allow) && allow.to_string() == word, "{rule:?}: {allow}");
-            let said = told(&BTreeMap::from([(rule, 7)]), 0);
+            let said = told(&BTreeMap::from([(rule, Held { count: 7, surely: 0.0399 })]), 0);
             assert!(
                 said.starts_with(" 7 single moves ")
+                    && said.contains("surely gains 3.9 %")
                     && said.contains(would)
                     && said.contains(&format!("`--allow {word}`")),
                 "{said}"
             );
         }
         assert_eq!(told(&BTreeMap::new(), 0), "");
-        let said = told(&BTreeMap::from([(Rule::Ways, 1)]), 3);
+        let said = told(&BTreeMap::from([(Rule::Ways, Held { count: 1, surely: 0.02 })]), 3);
         assert!(said.contains(" 1 single move ") && said.contains("stay: 3. `--allow structure`"), "{said}");
         assert!("structure".parse::<Allow>().unwrap().structure);
     }
