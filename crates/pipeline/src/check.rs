@@ -41,7 +41,8 @@ pub fn check_with(
     let mut report = Report::default();
     state_unread(input, settings, &mut report);
     let opened = Opened::new(input.file(), &input.bytes)?;
-    let drawing = opened.read(&read::read_options(settings), &mut report)?;
+    let mut drawing = opened.read(&read::read_options(settings), &mut report)?;
+    read::works::add(&mut drawing, settings)?;
     let base = understood(&drawing, settings, &mut report)?;
     let mut result = show::check(&base, &report);
     let sensed = sensed::Sensed::new(&base, settings);

@@ -1,7 +1,7 @@
 //! The first stage, from bytes to a drawing.
 
 pub(crate) mod query;
-mod works;
+pub(crate) mod works;
 
 use crate::job::Input;
 use enfilade_cad::drawing::{Drawing, Format};

@@ -11,7 +11,7 @@ use enfilade_report::{Error, Place};
 ///
 /// # Errors
 /// [`Error::Usage`] for a kind that there is not, and an outline of too few points.
-pub(super) fn add(drawing: &mut Drawing, settings: &Settings) -> Result<(), Error> {
+pub(crate) fn add(drawing: &mut Drawing, settings: &Settings) -> Result<(), Error> {
     let last = drawing.entities.iter().map(|e| e.source.record).max().unwrap_or(0);
     for (k, table) in settings.works.iter().enumerate() {
         let (layer, is_closed) = shown(table)?;

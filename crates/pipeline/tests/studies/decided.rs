@@ -78,6 +78,19 @@ fn a_decided_opening_brings_what_the_list_promised_in_a_scene() {
     as_promised("flat.glb", 1.0);
 }
 
+/// Every command reads the same: `check` too.
+#[test]
+fn what_is_decided_is_shown_and_said_by_check() {
+    let bytes = std::fs::read(sample("flat.dxf")).unwrap();
+    let corners = vec![[8900.0, 1460.0], [9700.0, 1460.0], [9700.0, 3860.0], [8900.0, 3860.0]];
+    let table = WorkTable { kind: "open".into(), points: corners, text: None };
+    let input = Input::new("flat.dxf", &bytes, 1);
+    let done = enfilade_pipeline::check(&input, &settings(vec![table])).unwrap();
+    assert!(done.report.problems.iter().any(|p| p.code == "decided-works"));
+    let before = enfilade_pipeline::check(&input, &settings(Vec::new())).unwrap();
+    assert_ne!(done.files[0].bytes, before.files[0].bytes);
+}
+
 /// A wall that goes by a mark, by its property set or by the extras of its node is no wall for anybody.
 #[test]
 fn what_is_to_be_demolished_is_gone_in_every_format() {
