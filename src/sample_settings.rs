@@ -30,7 +30,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # drawn on EF-QUERY-entrance and EF-REFERENCE-entrance
 # objective = "degree max 0.7, depth min 0.7, entropy max 0.7"
 # score = "degree +1, depth -1, entropy +1"
-# penalty = "clearance 1"   # or "none"; also wall-length, alignment, overlap, passage, room-area
+# penalty = "none"   # or "clearance 1, wall-length 0.5"; also alignment, overlap, passage, room-area
 
 # What no option may break
 # limit = "wall-length -5%, room-area -5%, clearance 3, passage 0.9 m, degree-p10 >= 40"

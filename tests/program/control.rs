@@ -58,7 +58,7 @@ fn two_pairs_are_improved_at_once() {
         ["--objective", "degree@art max 0.5, degree-p10@exit max 0.3", "--limit", "degree@exit -20%"];
     let round = desk.run(1, &wanted);
     let result = json(&round.join("result.json"));
-    assert_eq!(result["objectives"][1]["name"], "degree@art");
+    assert_eq!(result["objectives"][0]["name"], "degree@art");
     let present = result["initial"]["mean"]["degree@art"].as_f64().unwrap();
     let first = &result["candidates"][0];
     assert!(first["mean"]["degree@art"].as_f64().unwrap() > present, "{first}");
@@ -130,7 +130,7 @@ fn flat() -> Plan {
 fn rooms_keep_their_area() {
     let desk = Desk::new(&flat());
     let wish = ["--objective", "degree max 0.1", "--link", "same: low, high", "--distance", "0.05"];
-    // So light that the hard limit decides, not the penalty that must not grow.
+    // So light that the hard limit decides, not what the penalty weighs.
     let held = ["--penalty", "room-area 0.001", "--limit", "room-area -20%"];
     let round = desk.run(1, &[&wish[..], &held].concat());
     let result = json(&round.join("result.json"));

@@ -86,7 +86,7 @@ fn the_interface_shows_and_obeys() {
     let second = daemon.json(&at("/round-02/result.json"));
     let names: Vec<&str> =
         second["objectives"].as_array().unwrap().iter().map(|o| o["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["penalty", "entropy"], "the penalty comes first by itself");
+    assert_eq!(names, ["entropy"], "a penalty weighs and is no objective");
     assert_eq!(daemon.round_settings("round-02")["pinned"], json!([result["candidates"][1]["parameters"]]));
 
     daemon.until_done("gallery.dxf");

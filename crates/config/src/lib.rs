@@ -675,8 +675,8 @@ impl Settings {
     }
 }
 
-/// Penalties by default: what weighs against gains, and what the published method holds.
-const PENALTY_DEFAULT: &str = "clearance 1";
+/// Penalties by default: nothing weighs, since default moves keep ways open by rules; and what the published method holds.
+const PENALTY_DEFAULT: &str = "none";
 const PENALTY_PAPER: &str = "clearance 1, wall-length 1";
 
 /// The objectives of the published method.

@@ -112,9 +112,18 @@ function nextRound(d, key, order, result, numbers, isHeld) {
   return { card: fields.length ? card : "", show };
 }
 
+/** What one building work would bring: where there is no option, that is what the round has to say. */
+function works(result) {
+  const said = result.problems.filter((p) => p.code.startsWith("work"));
+  if (!said.length) return null;
+  return el("section", {}, el("h3", {}, "What one building work would bring"),
+    el("ul", {}, ...said.map((p) => el("li", {}, p.text))));
+}
+
 function problems(result) {
-  if (!result.problems.length) return null;
-  const rows = result.problems.map((p) => el("tr", {}, el("td", {}, p.severity), el("td", {}, p.place), el("td", {}, p.text)));
+  const others = result.problems.filter((p) => !p.code.startsWith("work"));
+  if (!others.length) return null;
+  const rows = others.map((p) => el("tr", {}, el("td", {}, p.severity), el("td", {}, p.place), el("td", {}, p.text)));
   return el("details", { class: "card" }, el("summary", {}, `Problems and assumptions (${rows.length})`),
     el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Problems" }, el("table", {},
       el("thead", {}, el("tr", {}, ...["Weight", "Where", "What"].map((t) => el("th", { scope: "col" }, t)))), el("tbody", {}, ...rows))));
@@ -176,7 +185,7 @@ async function round(place, d, set) {
   const [key, order] = [keyOf(d, set, result), orderOf(set, result)];
   if (roundOf.get(d.id)?.set === set) Object.assign(roundOf.get(d.id), { key, order });
   if (!result.candidates.length) {
-    place.replaceChildren(el("p", {}, `No option: ${result.stopped_by}.`), problems(result) ?? "");
+    place.replaceChildren(el("p", {}, `No option: ${result.stopped_by}.`), works(result) ?? "", problems(result) ?? "");
     return;
   }
   const [columns, shown] = [columnsOf(result), shownOf(names)];
@@ -302,7 +311,7 @@ async function round(place, d, set) {
     el("p", { class: "quiet narrow" }, "The table goes on to the right: scroll it sideways for the numbers."),
     el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Options" }, el("table", {}, el("thead", {}, el("tr", {},
       ...["Option", "Do", ...titles.slice(0, TABLE_COLUMNS)].map((n) => el("th", { scope: "col" }, n)))), body)),
-    next.card, problems(result) ?? "");
+    next.card, works(result) ?? "", problems(result) ?? "");
   pictures();
   compare();
   onNewLook(views, () => plots(false));

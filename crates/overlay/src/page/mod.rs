@@ -156,7 +156,10 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
     let result = input.result;
     html.raw("<header>\n<p class=\"eyebrow\">Enfilade <span>·</span> round ").text(&input.round.to_string());
     html.raw("</p>\n").element("h1", &[], drawing_name(&result.input.path));
-    html.open("p", &[("class", "lead")]).words(&cards::prose(&lead(result))).close("p");
+    html.open("p", &[("class", "lead")])
+        .words(&cards::prose(&lead(result)))
+        .words(&best_work(input))
+        .close("p");
     html.raw("<dl class=\"facts\">\n");
     let counts = &result.counts;
     let cells = format!(
@@ -183,6 +186,15 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
         html.raw("<div>").element("dt", &[], term).element("dd", &[], text).raw("</div>\n");
     }
     html.raw("</dl>\n</header>\n");
+}
+
+/// Where there is no option, the best building work; else nothing.
+fn best_work(input: &ReportInput<'_>) -> String {
+    let works = input.works.filter(|_| input.result.candidates.is_empty());
+    let best = works.and_then(|w| Some((w, *w.different(true, 1).first()?)));
+    best.map_or_else(String::new, |(works, work)| {
+        format!(" {}: {}. See below.", works.title(work), WorksResult::gain_words(work))
+    })
 }
 
 /// The outcome in one or two sentences.
