@@ -212,8 +212,12 @@ impl WorksResult {
             "not-marked" => "no mark allows it".into(),
             other => other.to_owned(),
         };
-        let mut all: Vec<String> = work.forbidden_by.iter().map(one).collect();
-        all.dedup();
+        let mut all: Vec<String> = Vec::new();
+        for words in work.forbidden_by.iter().map(one) {
+            if !all.contains(&words) {
+                all.push(words);
+            }
+        }
         all.join("; ")
     }
 
