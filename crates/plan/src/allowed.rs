@@ -7,7 +7,7 @@ use enfilade_cad::own_layers::WORK_CLAUSES;
 use enfilade_engine::Region;
 use enfilade_report::Report;
 
-use super::markers::length;
+use super::length::length;
 
 /// A kind of work that a mark allows.
 #[derive(Clone, Copy, Debug, PartialEq)]

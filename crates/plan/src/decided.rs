@@ -169,7 +169,7 @@ fn said(text: &str, unit_m: f64) -> Result<Said, String> {
 
 /// A length above 0 as a text of a mark says it, metres.
 fn length_m(text: &str, unit_m: f64) -> Result<f64, String> {
-    let (value, unit) = super::markers::length(text)?;
+    let (value, unit) = super::length::length(text)?;
     let metres = value * unit.map_or(unit_m, |u| u.metres);
     match metres > 0.0 {
         true => Ok(metres),

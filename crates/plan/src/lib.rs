@@ -42,6 +42,7 @@ pub mod hidden;
 pub mod kinds;
 pub mod labels;
 mod leaves;
+mod length;
 pub mod markers;
 pub mod obstacles;
 mod on_sheet;

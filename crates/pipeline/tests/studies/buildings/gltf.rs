@@ -565,7 +565,7 @@ fn marks_that_cannot_be_read_are_named() {
         ),
         (
             json!({"foo": 1}),
-            "extras.enfilade says \"foo\", expected one of move, name, keep, query, reference; it is not used",
+            "extras.enfilade says \"foo\", expected one of move, name, keep, query, reference, open, remove, new, status; it is not used",
         ),
     ] {
         assert_says(&with(marks).1, &[&format!("/nodes/0 IfcWall/W: {words}")]);
