@@ -13,7 +13,7 @@
 //! let height = |p: &[f64]| 4.0 - (p[0] - 1.0).powi(2) - (p[1] + 0.5).powi(2);
 //! let objective = Objective {
 //!     name: "height".into(),
-//!     sense: Sense::Maximise,
+//!     sense: Sense::Max,
 //!     threshold: 0.9,
 //!     is_score: false,
 //!     is_penalty: false,
