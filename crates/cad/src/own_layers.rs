@@ -10,9 +10,6 @@ pub const REFERENCE: &str = "EF-REFERENCE";
 pub const MOVE: &str = "EF-MOVE";
 /// Words that clauses of moves begin with.
 pub const CLAUSES: [&str; 6] = ["x", "y", "along", "rotate", "scale", "name"];
-/// Words that clauses of allowed works begin with.
-pub const WORK_CLAUSES: [&str; 9] =
-    ["open", "door", "widen", "close", "rehang", "end", "remove", "glaze", "add"];
 /// What must stay.
 pub const KEEP: &str = "EF-KEEP";
 /// Stretches of wall that are to be opened.

@@ -87,7 +87,7 @@ impl Listed {
     }
 }
 
-/// The works of a study, and their files.
+/// The works of a study, with their picture.
 ///
 /// # Errors
 /// [`Error::Stopped`]; where the picture cannot be drawn.
