@@ -33,6 +33,7 @@ pub mod layers;
 pub mod marking;
 pub mod names;
 pub mod own_layers;
+mod phase;
 pub mod plane;
 mod region;
 pub mod rings;

@@ -9,6 +9,7 @@ use super::scene::{File, Shown};
 use super::values::TOLD;
 use crate::drawing::{Entity, IdleMarks, MarkedMove};
 use crate::own_layers;
+use crate::phase::Phase;
 use enfilade_report::{Place, Report};
 
 /// What may be said there, and as what.
@@ -33,24 +34,16 @@ pub(super) fn work<'j>(scene: &'j File<'_>, path: &[usize]) -> Option<(&'static 
     WORKS.iter().find_map(|(key, layer)| Some((*layer, region(scene, path, key)?.1)))
 }
 
-/// When an element stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Status {
-    Existing,
-    New,
-    Demolished,
-}
-
 /// What a node, or what it hangs on, says of when it stands.
-pub(super) fn status(scene: &File<'_>, path: &[usize]) -> Status {
+pub(super) fn status(scene: &File<'_>, path: &[usize]) -> Phase {
     let said = nearest(scene, path, "status").and_then(|(_, v)| match &v.value {
         Value::Text(text) => Some(text.trim().to_lowercase()),
         _ => None,
     });
     match said.as_deref() {
-        Some("demolish") => Status::Demolished,
-        Some("new") => Status::New,
-        _ => Status::Existing,
+        Some("demolish") => Phase::Demolished,
+        Some("new") => Phase::New,
+        _ => Phase::Existing,
     }
 }
 

@@ -7,7 +7,6 @@ use glam::{DAffine2, DAffine3, DMat2, DMat3, DVec2, DVec3};
 
 use super::bodies::{Bodies, SCENE_LAYER, SPACE_LAYER, bodies, is_global_id};
 use super::body::Body;
-use super::marks::Status;
 use super::motion::z_up;
 use super::record::{of_record, record};
 use super::scene::{File, Shown};
@@ -19,6 +18,7 @@ use crate::drawing::{
 };
 use crate::ifc::ZONE_LAYER;
 use crate::own_layers::DEMOLISHED;
+use crate::phase::Phase;
 use crate::region::{Region, slice};
 use crate::sizes::{Sizes, Verdict};
 use crate::storeys::{refuse_without_own, state_shared_name};
@@ -84,12 +84,12 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         let own = record(body.element.node, body.piece);
         match marks::status(&scene, &path) {
             _ if entities.len() == before => {}
-            Status::Existing if body.is_wall => {}
-            Status::Existing => said.extend(show_work(&scene, &path, &mut entities[before..])),
-            Status::New => {
+            Phase::Existing if body.is_wall => {}
+            Phase::Existing => said.extend(show_work(&scene, &path, &mut entities[before..])),
+            Phase::New => {
                 built.insert(own);
             }
-            Status::Demolished => {
+            Phase::Demolished => {
                 gone.insert(own);
                 on_layer(&mut entities[before..], DEMOLISHED);
             }

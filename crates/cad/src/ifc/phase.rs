@@ -3,18 +3,7 @@
 
 use super::model::Model;
 use super::step::{Arg, Step, Value};
-
-/// When an element stands.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Phase {
-    /// Today and after the works; what says nothing.
-    #[default]
-    Existing,
-    /// After the works.
-    New,
-    /// Until the works.
-    Demolished,
-}
+use crate::phase::Phase;
 
 /// What one property says.
 fn said(set: &str, name: &str, value: &str) -> Option<Phase> {

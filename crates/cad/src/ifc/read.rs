@@ -16,7 +16,7 @@ use super::heights::{heights, sizes, wall_spans};
 use super::length;
 use super::limits::OUTLINE_POINTS_MAX;
 use super::model::{Model, Product, Storey, axis_item, body_items, layer_reach};
-use super::phase::{Phase, phase};
+use super::phase::phase;
 use super::step::Step;
 use super::units::units;
 use super::{CUT_EYE_M, ReadOptions, Sight};
@@ -25,6 +25,7 @@ use crate::drawing::{
     Vertex,
 };
 use crate::own_layers::DEMOLISHED;
+use crate::phase::Phase;
 use crate::region::{Region, Rule};
 use crate::sizes::Verdict;
 use crate::storeys::{is_over, refuse_without_own, state_shared_name};
