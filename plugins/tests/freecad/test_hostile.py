@@ -69,6 +69,7 @@ def test_5_an_empty_document(doc, wishes):
 
 def test_6_five_hundred_walls(doc, tmp_path):
     walls = []
+    first = time.thread_time()
     for i in range(500):
         a = (i % 25 * 3000, i // 25 * 3000)
         walls.append(wall_on(doc, "draft", a, (a[0] + 2000, a[1])))
@@ -82,7 +83,8 @@ def test_6_five_hundred_walls(doc, tmp_path):
     made = job.write(study, str(tmp_path))
     done = time.thread_time()
     print(f"500 walls: marked in {marked - began:.2f} s of work, exported in {done - marked:.2f} s of work")
-    assert len(made.outlines) == 500 and done - began < 2.0
+    # Against FreeCAD's own work on the same machine: what grows with the square of the walls costs more than drawing.
+    assert len(made.outlines) == 500 and done - began < began - first
 
 
 def test_7_a_locked_base(doc, wishes, tmp_path):
