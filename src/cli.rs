@@ -181,7 +181,7 @@ pub struct Common {
     /// How progress is said on standard error.
     #[arg(long, value_enum)]
     pub progress: Option<ProgressArg>,
-    /// A drawing that is read longer is given up (`read-limit-secs` under `watch` in the settings, else 300).
+    /// A drawing that takes longer to read, in seconds of work, is given up (`read-limit-secs` under `watch` in the settings, else 300).
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub read_limit_secs: Option<f64>,
     /// The same for the whole job (`job-limit-secs` under `watch` in the settings, else 3600 more than --seconds).

@@ -1,5 +1,5 @@
-//! Limits of time for commands that work on one drawing, as the daemon has them for its jobs: one for reading it, one
-//! for the whole.
+//! Limits of time for commands that work on one drawing, as the daemon has them for its jobs: one of work for reading it,
+//! one by the clock for the whole.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -10,11 +10,15 @@ use std::time::{Duration, Instant};
 use super::beside::settings_partial;
 use crate::cli::Common;
 use crate::watch::{JOB_LIMIT_SECS, READ_LIMIT_SECS};
+use crate::worked::Work;
 use enfilade_config::{Partial, Settings};
 use enfilade_report::{Cancel, Error, Place, complain};
 
 /// A command that was told to end has so long to do it; then its process ends.
 const PATIENCE: Duration = Duration::from_secs(5);
+
+/// How often a reading is looked at.
+const LOOK: Duration = Duration::from_millis(20);
 
 /// Watches one command; dropped, it watches no more.
 pub(super) struct Clock {
@@ -81,23 +85,20 @@ impl Drop for Clock {
 
 /// Waits for the ends that the limits allow; what is late is stopped, and what hears nothing ended with its reason.
 fn watch(limits: &Limits, heard: &mpsc::Receiver<()>, cancel: &Cancel, hit: &Mutex<Option<Error>>) {
-    let began = Instant::now();
-    let left = |limit: Duration| limit.saturating_sub(began.elapsed());
-    let until_read = heard.recv_timeout(left(limits.read.min(limits.job)));
-    let late = match until_read {
-        Err(RecvTimeoutError::Disconnected) => return,
-        Err(RecvTimeoutError::Timeout) if limits.read < limits.job => {
-            late(limits, "reading-too-long", "reading the drawing", limits.read, "read-limit-secs")
-        }
-        _ => loop {
-            match heard.recv_timeout(left(limits.job)) {
-                Ok(()) => {}
-                Err(RecvTimeoutError::Disconnected) => return,
-                Err(RecvTimeoutError::Timeout) => {
-                    break late(limits, "job-too-long", "the job", limits.job, "job-limit-secs");
-                }
+    let work = Work::begin();
+    let mut is_read = false;
+    let late = loop {
+        let left = limits.job.saturating_sub(work.elapsed());
+        let look = left.min(LOOK).min(limits.read);
+        match heard.recv_timeout(if is_read { left } else { look }) {
+            Ok(()) => is_read = true,
+            Err(RecvTimeoutError::Disconnected) => return,
+            Err(RecvTimeoutError::Timeout) if left.is_zero() => break late(limits, &Late::JOB),
+            Err(RecvTimeoutError::Timeout) if !is_read && work.is_over(limits.read) => {
+                break late(limits, &Late::READING);
             }
-        },
+            Err(RecvTimeoutError::Timeout) => {}
+        }
     };
     *hit.lock().unwrap_or_else(PoisonError::into_inner) = Some(late.clone());
     cancel.stop_keeping();
@@ -109,11 +110,32 @@ fn watch(limits: &Limits, heard: &mpsc::Receiver<()>, cancel: &Cancel, hit: &Mut
     }
 }
 
-fn late(limits: &Limits, code: &'static str, what: &str, limit: Duration, key: &str) -> Error {
+/// Which limit was hit, in words.
+struct Late {
+    code: &'static str,
+    what: &'static str,
+    of: &'static str,
+    key: &'static str,
+    limit: fn(&Limits) -> Duration,
+}
+
+impl Late {
+    const READING: Self = Self {
+        code: "reading-too-long",
+        what: "reading the drawing",
+        of: "s of work",
+        key: "read-limit-secs",
+        limit: |l| l.read,
+    };
+    const JOB: Self =
+        Self { code: "job-too-long", what: "the job", of: "s", key: "job-limit-secs", limit: |l| l.job };
+}
+
+fn late(limits: &Limits, Late { code, what, of, key, limit }: &Late) -> Error {
     let text = format!(
-        "{what} took longer than the limit of {} s (--{key}, or {key} in [watch] of enfilade.toml) and was ended; \
-         its results are not complete",
-        limit.as_secs_f64()
+        "{what} took longer than the limit of {} {of} (--{key}, or {key} in [watch] of enfilade.toml) and was \
+         ended; its results are not complete",
+        limit(limits).as_secs_f64()
     );
     Error::input(code, Place::file(limits.file.to_string_lossy()), text)
 }

@@ -251,6 +251,7 @@ fn limits(partial: &Partial, settings: &WatchSettings) -> Result<Limits, Error> 
         args: ["job-child", "--"].map(OsString::from).to_vec(),
         options: serde_json::to_value(partial).map_err(|e| fail(&e))?,
         memory_bytes: settings.job_memory_bytes.or(settings.memory_bytes),
+        read_secs: Some(settings.read_limit_secs),
         cpu_secs: Some((settings.job_limit_secs * cores() as f64).ceil() as u64),
     })
 }

@@ -10,6 +10,7 @@ use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -18,8 +19,10 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::heart::words::reading_too_long;
 use super::turns::SHORT;
 use super::{Asked, JobEvent, JobOutput, JobRequest, OutFile, RunJob, Share};
+use crate::worked::Work;
 use enfilade_report::{Cancel, Error, KEEP_GRACE, Place, Problem, Severity};
 
 /// Code of a job that needs more memory than it may have.
@@ -54,6 +57,8 @@ pub struct Limits {
     pub memory_bytes: Option<u64>,
     /// Seconds of all cores together; the daemon watches the clock.
     pub cpu_secs: Option<u64>,
+    /// Seconds of work in which the drawing must be understood.
+    pub read_secs: Option<f64>,
 }
 
 impl Limits {
@@ -74,6 +79,7 @@ pub struct Request {
     pub options: Value,
     memory_bytes: Option<u64>,
     cpu_secs: Option<u64>,
+    read_secs: Option<f64>,
     is_long: bool,
     bytes: u64,
     earlier: u64,
@@ -190,6 +196,7 @@ impl Request {
             options: limits.options.clone(),
             memory_bytes: limits.memory_of(request),
             cpu_secs: limits.cpu_secs,
+            read_secs: limits.read_secs,
             is_long: request.share.is_long,
             bytes: request.bytes.len() as u64,
             earlier: request.earlier.len() as u64,
@@ -394,7 +401,11 @@ pub fn serve(
         }
         std::process::exit(i32::from(Error::Stopped.exit_code()));
     });
+    let reading = Reading::watch(head.read_secs, &cancel);
     let mut tell = |event: JobEvent| {
+        if !event.is_reading() {
+            reading.is_understood.store(true, Ordering::Relaxed);
+        }
         let _ = match event {
             JobEvent::Progress(value) => send(&Frame::Progress { value }, &[]),
             JobEvent::Analysis(files) => send(&Frame::Analysis { files: names(&files) }, &parts(&files)),
@@ -406,7 +417,45 @@ pub fn serve(
             }
         };
     };
-    answer(&prepare(head.options).and_then(|job| job(&request, &mut tell, &cancel)))
+    let outcome = prepare(head.options).and_then(|job| job(&request, &mut tell, &cancel));
+    answer(&outcome.map_err(|e| reading.reason(drawing, e)))
+}
+
+/// Whether a drawing is understood within its limit of work.
+struct Reading {
+    limit_secs: Option<f64>,
+    is_understood: Arc<AtomicBool>,
+    is_late: Arc<AtomicBool>,
+}
+
+impl Reading {
+    /// Stops what is late.
+    fn watch(limit_secs: Option<f64>, cancel: &Cancel) -> Self {
+        let of = Self { limit_secs, is_understood: Arc::default(), is_late: Arc::default() };
+        let Some(limit) = limit_secs.map(Duration::from_secs_f64) else { return of };
+        let (understood, late, cancel) = (of.is_understood.clone(), of.is_late.clone(), cancel.clone());
+        let work = Work::begin();
+        thread::spawn(move || {
+            while !understood.load(Ordering::Relaxed) {
+                if work.is_over(limit) {
+                    late.store(true, Ordering::Relaxed);
+                    return cancel.stop();
+                }
+                thread::sleep(LOOK);
+            }
+        });
+        of
+    }
+
+    /// Why the job ended.
+    fn reason(&self, drawing: &Path, error: Error) -> Error {
+        match self.limit_secs {
+            Some(limit) if matches!(error, Error::Stopped) && self.is_late.load(Ordering::Relaxed) => {
+                reading_too_long(drawing, limit)
+            }
+            _ => error,
+        }
+    }
 }
 
 fn read_request(
@@ -520,7 +569,14 @@ mod tests {
     fn shell(script: &str) -> Limits {
         let args = ["-c", script, "job"].map(OsString::from).to_vec();
         let memory_bytes = Some(64 << 20);
-        Limits { program: "/bin/sh".into(), args, options: Value::Null, memory_bytes, cpu_secs: Some(7) }
+        Limits {
+            program: "/bin/sh".into(),
+            args,
+            options: Value::Null,
+            memory_bytes,
+            cpu_secs: Some(7),
+            read_secs: None,
+        }
     }
 
     fn request() -> JobRequest {

@@ -17,7 +17,7 @@ mod renewal;
 mod room;
 mod running;
 mod state;
-mod words;
+pub(super) mod words;
 
 use running::Running;
 use state::{State, is_waited_for};

@@ -117,6 +117,13 @@ pub enum JobEvent {
     },
 }
 
+impl JobEvent {
+    /// Whether the drawing may not be understood yet when this comes.
+    fn is_reading(&self) -> bool {
+        matches!(self, Self::Progress(value) if value["stage"] == "read")
+    }
+}
+
 /// What a job leaves.
 #[derive(Clone, Debug, Default)]
 pub struct JobOutput {

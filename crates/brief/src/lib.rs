@@ -2,6 +2,14 @@
 //! for.
 //!
 //! Plain values below all other crates. Nothing is computed here: the engine measures, the search looks.
+//!
+//! ```
+//! use enfilade_brief::{Measure, Sense, entries};
+//!
+//! let depth = entries().find(|e| e.measure == Measure::MeanDepth).expect("every measure has an entry");
+//! assert_eq!((depth.words.plain, depth.words.unit), ("Steps", "steps"));
+//! assert_eq!(depth.better, Some(Sense::Min));
+//! ```
 
 pub mod column;
 mod measure;

@@ -2,6 +2,16 @@
 //!
 //! The same keys stand on the command line, in `<drawing>.enfilade.toml` and in `enfilade.toml` of the
 //! folder; the first of them that names a key wins. Unknown keys are errors with line and column.
+//!
+//! ```
+//! use enfilade_config::{Partial, Settings};
+//!
+//! let asked = Partial::from_toml("flat.enfilade.toml", "spacing = 0.25\nmembers = 3\n")?;
+//! let usual = Partial::from_toml("enfilade.toml", "members = 8\nseed = 7\n")?;
+//! let settings = Settings::new(asked.over(usual))?;
+//! assert_eq!((settings.spacing_m, settings.members, settings.seed), (Some(0.25), 3, 7));
+//! # Ok::<(), enfilade_report::Error>(())
+//! ```
 
 mod beside;
 mod choices;

@@ -1,4 +1,27 @@
 //! The parametrisation (spec 2): which nodes move, how, within what bounds; parameters → layout.
+//!
+//! A layout is what its parameters make of the drawing; at the identity nothing is changed, to the bit:
+//!
+//! ```
+//! use enfilade_moves::Moves;
+//! use enfilade_plan::{graph::Graph, structure, understand};
+//! use enfilade_report::Report;
+//!
+//! let mut report = Report::default();
+//! let bytes = std::fs::read("../../samples/gallery.dxf").expect("a sample of the repository");
+//! let drawing = enfilade_cad::read("gallery.dxf", &bytes, &Default::default(), &mut report)?;
+//! let plan = understand(&drawing, &Default::default(), &mut report)?;
+//! let (graph, (axes, _)) = (Graph::new(&plan), structure::axes(&plan, &drawing));
+//!
+//! let moves = Moves::from_markers(&plan, &graph, &axes, &mut report);
+//! let drawn = moves.apply(&plan, &graph, &moves.identity());
+//! assert!(!moves.parameters.is_empty() && drawn.walls.iter().all(|w| !w.is_changed));
+//!
+//! let bounds = moves.bounds();
+//! let farthest = moves.apply(&plan, &graph, &bounds.iter().map(|b| b[1]).collect::<Vec<_>>());
+//! assert!(farthest.walls.iter().any(|w| w.is_changed));
+//! # Ok::<(), enfilade_report::Error>(())
+//! ```
 
 mod abutting;
 mod axial;

@@ -3,6 +3,15 @@
 //! Pure functions, data in and bytes out. The types are plain: this module knows neither moves, nor
 //! file formats, nor the optimiser; the pipeline translates. Plan coordinates are metres of the plan
 //! frame, y up (drawn north up).
+//!
+//! ```
+//! use enfilade_overlay::Palette;
+//!
+//! // A fifth of the scale, and all of it.
+//! let colours = [0.2, 1.0].map(|fraction| Palette::Viridis.at(fraction));
+//! assert_eq!(colours[1], [0xfd, 0xe7, 0x25]);
+//! assert_ne!(colours[0], colours[1]);
+//! ```
 
 pub mod additions;
 mod canvas;

@@ -3,6 +3,19 @@
 //! Each penalty is made once from the initial layout and then measures any number of layouts of the
 //! same walls. The list is open; all work on [`Layout`] alone. Sums run in a fixed order, so the same
 //! layout gives the same bits on any thread.
+//!
+//! ```
+//! use enfilade_penalties::{Layout, WallLength, WallPiece};
+//! use glam::DVec2;
+//!
+//! let wall = |end_m: f64| {
+//!     let [a, b] = [DVec2::ZERO, DVec2::new(end_m, 0.0)];
+//!     WallPiece { a, b, nodes: [0, 1], is_moving: true, solid: None, bar: None }
+//! };
+//! let drawn = [wall(4.0)];
+//! let penalty = WallLength::new(&Layout { pieces: &drawn });
+//! assert_eq!(penalty.measure_m(&Layout { pieces: &[wall(5.5)] }), 1.5);
+//! ```
 
 pub mod alignment;
 pub mod clearance;

@@ -13,6 +13,17 @@
 //! | `search` | `Round`: the study and what is asked of it | `Searched` |
 //! | `confirm` | `Searched` | `Found`: options, confirmed and explained |
 //! | `write` | `Round`, `Found` | files, [`Outcome`] |
+//!
+//! ```
+//! use enfilade_config::{Partial, Settings};
+//! use enfilade_pipeline::{Input, analyse};
+//!
+//! let bytes = std::fs::read("../../samples/gallery.dxf").expect("a sample of the repository");
+//! let settings = Settings::new(Partial::from_toml("", "spacing = 0.5\n")?)?;
+//! let (outcome, _study) = analyse(&Input::new("gallery.dxf", &bytes, 1), &settings, &Default::default())?;
+//! assert!(outcome.files.iter().any(|f| f.path.ends_with("result.json")));
+//! # Ok::<(), enfilade_report::Error>(())
+//! ```
 
 pub mod accept;
 mod analyse;

@@ -3,6 +3,17 @@
 //! Odd input never stops the program: it becomes a [`Problem`] with a [`Place`], the best reading
 //! goes on, and the [`Report`] is shown beside the result. Only a job that cannot go on at all
 //! returns an [`Error`]. These are the only error types of the house.
+//!
+//! ```
+//! use enfilade_report::{Place, Report};
+//!
+//! let mut report = Report::default();
+//! let wall = Place::line("plan.dxf", 1842).entity("LINE 2F3 layer A-WALL");
+//! report.warn("dxf-bad-number", wall, "length is `12,5`, expected a number; the wall was left out");
+//! assert!(report.is_degraded());
+//! let said = report.problems[0].to_string();
+//! assert!(said.starts_with("plan.dxf:1842 LINE 2F3 layer A-WALL: length is"), "{said}");
+//! ```
 
 use std::borrow::Cow;
 use std::collections::HashMap;

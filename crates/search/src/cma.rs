@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use faer::{Mat, Side};
+use nalgebra::{DMatrix, SymmetricEigen};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -34,6 +34,8 @@ pub enum CmaStop {
 const COST_TOLERANCE: f64 = 1e-11;
 /// Steps smaller than this share of the first one end the run.
 const STEP_TOLERANCE: f64 = 1e-11;
+/// Iterations of an eigen-decomposition for each coordinate (LAPACK's `dsteqr` allows as many).
+const EIGEN_ITERATIONS: usize = 30;
 /// Condition number of the covariance that ends the run.
 const CONDITION_LIMIT: f64 = 1e14;
 
@@ -100,9 +102,9 @@ pub struct Cma {
     first_sigma: f64,
     path_sigma: Vec<f64>,
     path_c: Vec<f64>,
-    covariance: Mat<f64>,
+    covariance: DMatrix<f64>,
     /// Eigenvectors as columns and square roots of the eigenvalues.
-    basis: Mat<f64>,
+    basis: DMatrix<f64>,
     scales: Vec<f64>,
     generation: u64,
     steps: Vec<Vec<f64>>,
@@ -123,8 +125,8 @@ impl Cma {
             first_sigma: sigma,
             path_sigma: vec![0.0; n],
             path_c: vec![0.0; n],
-            covariance: Mat::identity(n, n),
-            basis: Mat::identity(n, n),
+            covariance: DMatrix::identity(n, n),
+            basis: DMatrix::identity(n, n),
             scales: vec![1.0; n],
             generation: 0,
             steps: vec![],
@@ -228,18 +230,20 @@ impl Cma {
     }
 
     fn decompose(&mut self) {
-        let Ok(eigen) = self.covariance.self_adjoint_eigen(Side::Lower) else {
+        let is_finite = self.covariance.iter().all(|v| v.is_finite());
+        let most_iterations = EIGEN_ITERATIONS * self.mean.len();
+        let eigen = SymmetricEigen::try_new(self.covariance.clone(), f64::EPSILON, most_iterations);
+        let Some(SymmetricEigen { eigenvectors, eigenvalues: values }) = eigen.filter(|_| is_finite) else {
             self.stop = Some(CmaStop::IllConditioned);
             return;
         };
-        let values: Vec<f64> = eigen.S().column_vector().iter().copied().collect();
         let (least, most) = values.iter().fold((f64::INFINITY, 0.0f64), |(a, b), &v| (a.min(v), b.max(v)));
         if least.is_nan() || least <= 0.0 || most > CONDITION_LIMIT * least {
             self.stop = Some(CmaStop::IllConditioned);
             return;
         }
         self.scales = values.iter().map(|v| v.sqrt()).collect();
-        self.basis = eigen.U().to_owned();
+        self.basis = eigenvectors;
     }
 
     fn look_for_stop(&mut self, best: f64, worst: f64) {

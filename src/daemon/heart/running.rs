@@ -7,6 +7,7 @@ use super::super::{Done, Share};
 use super::words::{hung, killed_too_often, reading_too_long, retry_pause, told_to_end, too_long};
 use super::*;
 use crate::store::round_name;
+use crate::worked::WAITS_MAX;
 
 /// A job that was told to stop and did not is left to itself after this long (hazard 23).
 const HANG_PATIENCE: Duration = Duration::from_secs(5);
@@ -306,11 +307,11 @@ impl Heart {
         write_standing(&*self.disk, &what.drawing, &self.placing_of(&what.drawing), &standing);
     }
 
-    /// A job that runs too long is stopped, and one that reads its drawing too long; one that does not even stop is
-    /// left to itself.
+    /// A job that runs too long is stopped, and one that reads its drawing too long: it counts its own work, the daemon
+    /// those that wait. One that does not even stop is left to itself.
     pub(super) fn watch_running(&mut self, show: &mut dyn FnMut(Notice)) {
         let limit = Duration::from_secs_f64(self.settings.job_limit_secs);
-        let reading = Duration::from_secs_f64(self.settings.read_limit_secs);
+        let reading = Duration::from_secs_f64(self.settings.read_limit_secs).saturating_mul(WAITS_MAX);
         for running in self.running.iter_mut().filter(|r| r.stopped.is_none()) {
             if running.since.elapsed() >= limit {
                 running.stop_keeping(TOO_LONG);

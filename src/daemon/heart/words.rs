@@ -37,10 +37,10 @@ pub(super) fn too_long(drawing: &Path, limit_secs: f64, has_best: bool) -> Error
     Error::input("job-too-long", shown(drawing), text)
 }
 
-pub(super) fn reading_too_long(drawing: &Path, limit_secs: f64) -> Error {
+pub(in crate::daemon) fn reading_too_long(drawing: &Path, limit_secs: f64) -> Error {
     let text = format!(
-        "reading the drawing took longer than the limit of {limit_secs} s (read-limit-secs), and the job was stopped: \
-         draw less on the layers of walls, or raise the limit"
+        "reading the drawing took longer than the limit of {limit_secs} s of work (read-limit-secs), and the job was \
+         stopped: draw less on the layers of walls, or raise the limit"
     );
     Error::input("reading-too-long", shown(drawing), text)
 }

@@ -95,7 +95,7 @@ fn reading_too_long_is_told_with_its_limit() {
         }
         Ok(whole(request))
     };
-    let daemon = Daemon::start(WatchSettings { read_limit_secs: 1.0, ..settings() }, |_| {}, job);
+    let daemon = Daemon::start(WatchSettings { read_limit_secs: 0.1, ..settings() }, |_| {}, job);
     daemon.save("a.dxf", "read");
     daemon.save("b.dxf", "good");
     let ended = daemon.await_state("a", "failed");
