@@ -22,6 +22,7 @@ use serde_json::Value;
 
 pub use crate::store::OutFile;
 pub use crate::watch::WatchSettings;
+#[cfg(feature = "page")]
 pub(crate) use heart::{BY_THE_USER, CANCELLED_BEFORE};
 pub use status::{rfc3339, status};
 

@@ -14,7 +14,8 @@ use serde_json::{Value, json};
 use tokio_stream::StreamExt as _;
 use tokio_stream::wrappers::{BroadcastStream, ReceiverStream};
 
-use super::{Shared, Taken, files};
+use super::open::Shared;
+use super::{Taken, files};
 use crate::daemon::{Asked, Order};
 use crate::store::{SO_FAR, round_name};
 use enfilade_config::{Partial, Settings};

@@ -15,8 +15,10 @@ use axum::middleware::Next;
 use axum::response::Response;
 
 use super::connections::{BODY_TIME_MAX, Known};
+use super::door::NAME_DIGITS;
 use super::login::{is_nonce, proof, signature};
-use super::{BODY_BYTES_MAX, Shared};
+use super::open::{ASSETS, Shared};
+use super::{BODY_BYTES_MAX, HELLO};
 
 /// Header of every request that changes something.
 pub const ORDER_HEADER: &str = "x-enfilade";
@@ -152,9 +154,9 @@ impl Access {
     }
 }
 
-/// Whether a name can be one of [`new_name`](super::new_name).
+/// Whether a name can be one of [`new_name`](super::door::new_name).
 fn is_own_name(name: &str) -> bool {
-    name.len() == super::NAME_DIGITS && name.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'))
+    name.len() == NAME_DIGITS && name.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'))
 }
 
 /// Who asks.
@@ -165,12 +167,9 @@ enum Who {
     Nobody,
 }
 
-/// Where the page proves that it has the key.
-pub(super) const HELLO: &str = "/api/hello";
-
 /// Whether an address says something of the daemon; what is not there does too.
 fn is_of_api(uri: &Uri) -> bool {
-    !super::ASSETS.iter().any(|(path, _, _)| *path == uri.path())
+    !ASSETS.iter().any(|(path, _, _)| *path == uri.path())
 }
 
 /// Compares secrets in a time that does not tell where they differ.

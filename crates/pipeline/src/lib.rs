@@ -21,7 +21,7 @@
 //! let bytes = std::fs::read("../../samples/gallery.dxf").expect("a sample of the repository");
 //! let settings = Settings::new(Partial::from_toml("", "spacing = 0.5\n")?)?;
 //! let (outcome, _study) = analyse(&Input::new("gallery.dxf", &bytes, 1), &settings, &Default::default())?;
-//! assert!(outcome.files.iter().any(|f| f.path.ends_with("result.json")));
+//! assert!(outcome.files.iter().any(|f| f.path.ends_with("analysis.json")));
 //! # Ok::<(), enfilade_report::Error>(())
 //! ```
 
