@@ -62,7 +62,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # ignore-move-markers = false
 # [[move]]
 # name = "door-1"
-# moves = "x -1 1; rotate -15 15"
+# moves = "x -1 1; rotate -15 15"      # or works: "open 0.9m 2.4m; remove"
 # nodes = [[12.5, 4.0], [13.4, 4.0]]   # wall ends, drawing units
 # handles = ["2F3"]                    # or whole entities
 # layers = ["A-WALL-MOVE"]             # or layers

@@ -90,6 +90,8 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         plan.bearing.clear();
     }
     let graph = Graph::new(&plan);
+    let of_side_car = marked::side_car_works(&plan, &graph, settings, report)?;
+    plan.markers.allowed.extend(of_side_car);
     let as_drawn = settings.reading.as_drawn == Some(true);
     let (axes, marked) = if as_drawn { Default::default() } else { structure::axes(&plan, drawing) };
     let bodies = structure::bodies(&plan, &axes);

@@ -16,12 +16,13 @@ use enfilade_cad::plane::box_of;
 use enfilade_config::{MoveTable, Settings};
 use enfilade_engine::Region;
 use enfilade_moves::Moves;
-use enfilade_plan::Plan;
+use enfilade_plan::allowed::{self, Allowed, AllowedAt};
 use enfilade_plan::axes::AxisGraph;
 use enfilade_plan::fittings::Fitting;
 use enfilade_plan::graph::Graph;
 use enfilade_plan::markers::{self, Group};
 use enfilade_plan::slots::Slot;
+use enfilade_plan::{Plan, Wall};
 use enfilade_report::{Error, Place, Report, counted};
 
 /// Whether anybody said in the drawing what moves or stays, so that it can be used or not: then nothing moves by default.
@@ -212,18 +213,9 @@ pub(crate) fn side_car_groups(
             report.warn("move-node", Place::file(&plan.file), text);
             Vec::new()
         });
-        let layers = WallLayers::new(&table.layers)?;
-        let mut records = BTreeSet::new();
-        for (w, wall) in plan.walls.iter().enumerate() {
-            let by_handle =
-                wall.source.handle.as_ref().is_some_and(|h| {
-                    table.handles.iter().any(|t| t == h || is_dxf && t.eq_ignore_ascii_case(h))
-                });
-            if by_handle || (layers.is_by_user() && layers.reason(&wall.source.layer).is_some()) {
-                nodes.extend(&graph.control_nodes[w]);
-                records.insert(wall.source.record);
-            }
-        }
+        let named = named_walls(plan, table)?;
+        nodes.extend(named.iter().flat_map(|w| &graph.control_nodes[*w]));
+        let mut records: BTreeSet<usize> = named.iter().map(|w| plan.walls[*w].source.record).collect();
         // Where the table names walls, their openings go with them.
         let is_named = |s: &&Slot| records.is_empty() && s.is_named(|h| table.handles.contains(h));
         let slots: Vec<&Slot> = plan.slots.iter().filter(is_named).collect();
@@ -259,6 +251,53 @@ pub(crate) fn side_car_groups(
         let source = slots.first().map_or_else(wall, |s| &s.source).clone();
         out.0.push((Group { name, outline: Region::Ring(Vec::new()), clauses, source }, nodes));
         out.1.push(Some(records).filter(|_| !is_dxf && table.nodes.is_empty()));
+    }
+    Ok(out)
+}
+
+/// The walls that a table names by handle or by layer, by index.
+fn named_walls(plan: &Plan, table: &MoveTable) -> Result<Vec<usize>, Error> {
+    let layers = WallLayers::new(&table.layers)?;
+    let is_dxf = plan.format == Format::Dxf;
+    let is_same = |t: &String, h: &String| t == h || is_dxf && t.eq_ignore_ascii_case(h);
+    let is_named = |wall: &Wall| {
+        wall.source.handle.as_ref().is_some_and(|h| table.handles.iter().any(|t| is_same(t, h)))
+            || layers.is_by_user() && layers.reason(&wall.source.layer).is_some()
+    };
+    Ok((0..plan.walls.len()).filter(|w| is_named(&plan.walls[*w])).collect())
+}
+
+/// The works that tables of the side-car allow, on the walls that they name or of which they name both ends.
+///
+/// # Errors
+/// [`Error::Usage`] for a work that cannot be read.
+pub(crate) fn side_car_works(
+    plan: &Plan,
+    graph: &Graph,
+    settings: &Settings,
+    report: &mut Report,
+) -> Result<Vec<Allowed>, Error> {
+    let mut out = Vec::new();
+    for (i, table) in settings.moves.iter().enumerate() {
+        let name = || table.name.clone().unwrap_or_else(|| format!("move-{}", i + 1));
+        let works = allowed::works_in(&table.moves, plan.frame.metres_per_unit).map_err(|why| {
+            Error::usage("move", Place::default(), format!("[[move]] {:?}: {why}; nothing was done", name()))
+        })?;
+        if works.is_empty() {
+            continue;
+        }
+        let points = table.nodes.iter().map(|p| DVec2::from(*p));
+        let ends = markers::nodes_of(points, plan, graph, SIDE_CAR_NODE_M).unwrap_or_default();
+        let is_between = |w: &usize| graph.control_nodes[*w].iter().all(|n| ends.binary_search(n).is_ok());
+        let mut walls = named_walls(plan, table)?;
+        walls.extend((0..plan.walls.len()).filter(|w| !ends.is_empty() && is_between(w)));
+        if walls.is_empty() {
+            let text =
+                format!("[[move]] {:?} names no wall of the drawing; no work is allowed by it", name());
+            report.warn("move-empty", Place::file(&plan.file), text);
+        }
+        let records: BTreeSet<usize> = walls.iter().map(|w| plan.walls[*w].source.record).collect();
+        out.extend(records.into_iter().map(|r| Allowed { at: AllowedAt::Record(r), works: works.clone() }));
     }
     Ok(out)
 }

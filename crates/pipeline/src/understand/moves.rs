@@ -6,11 +6,12 @@ use crate::understand::marked::{
 };
 use crate::understand::{building, carrying};
 use enfilade_cad::drawing::Drawing;
-use enfilade_config::Settings;
+use enfilade_config::{MoveTable, Settings};
 use enfilade_engine::geometry::Segment;
 use enfilade_engine::interior::Interior;
 use enfilade_moves::{Moves, defaults, say_kept};
 use enfilade_plan::Plan;
+use enfilade_plan::allowed::is_of_works_alone;
 use enfilade_plan::axes::AxisGraph;
 use enfilade_plan::fittings::Fitting;
 use enfilade_plan::graph::Graph;
@@ -39,9 +40,11 @@ pub(crate) fn moves(
 ) -> Result<Moves, Error> {
     let Known { plan, graph, axes, interior, fittings, infill } = *known;
     let all = (plan, graph, axes, fittings);
-    if !settings.moves.is_empty() {
-        state_passed_over(drawing, plan, &settings.moves, report);
-        let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
+    let tables: Vec<MoveTable> =
+        settings.moves.iter().filter(|t| !is_of_works_alone(&t.moves)).cloned().collect();
+    if !tables.is_empty() {
+        state_passed_over(drawing, plan, &tables, report);
+        let (groups, records) = side_car_groups(drawing, plan, graph, (&tables, true), report)?;
         groups.iter().for_each(|(group, nodes)| say_kept(plan, graph, group, nodes, report));
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
         return Ok(taken_up(moves, groups.iter().map(|g| &g.0), all, settings, report));

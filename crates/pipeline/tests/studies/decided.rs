@@ -1,13 +1,13 @@
 //! Decided works: what is drawn or said to be built and demolished is measured as what `works` promises of it.
 
-use enfilade_config::{Partial, Settings, WorkTable};
+use enfilade_config::{MoveTable, Partial, Settings, WorkTable};
 use enfilade_engine::Obstacles;
 use enfilade_engine::visibility::visibility_graph;
 use enfilade_fixtures::sample;
 use enfilade_overlay::result::ElementRef;
 use enfilade_overlay::works::{VISIBILITY, WorkEntry, WorksResult};
 use enfilade_pipeline::{Input, Study, works};
-use enfilade_report::Cancel;
+use enfilade_report::{Cancel, Error};
 
 fn settings(works: Vec<WorkTable>) -> Settings {
     Settings { works, ..Settings::new(Partial::default()).unwrap() }
@@ -79,6 +79,43 @@ fn a_decided_opening_brings_what_the_list_promised_in_a_scene() {
 }
 
 /// Every command reads the same: `check` too.
+#[test]
+fn a_side_car_allows_works_as_marks_do() {
+    let (free, present) = flat("flat.dxf", Vec::new());
+    let best = free.works.iter().find(|w| w.is_allowed && w.kind == "open").unwrap();
+    let handle = |e: &ElementRef| match e {
+        ElementRef::Dxf { handle, .. } => handle.clone(),
+        _ => None,
+    };
+    let handles = best.wall.iter().filter_map(handle).collect();
+    let table = MoveTable {
+        name: None,
+        moves: format!("open {}m", best.width_m),
+        nodes: Vec::new(),
+        handles,
+        layers: Vec::new(),
+        marker: None,
+    };
+    let (listed, study) = allowed_by(table.clone()).unwrap();
+    let allowed: Vec<_> = listed.works.iter().filter(|w| w.is_allowed).collect();
+    assert!(!allowed.is_empty());
+    for work in allowed {
+        assert_eq!((work.kind.as_str(), work.width_m, &work.wall), ("open", best.width_m, &best.wall));
+    }
+    // It says nothing of moves.
+    assert_eq!(study.base.moves.parameters.len(), present.base.moves.parameters.len());
+    let wrong = allowed_by(MoveTable { moves: "open wide".into(), ..table });
+    assert!(matches!(wrong, Err(Error::Usage(_))));
+}
+
+/// The list where a table of the side-car allows works.
+fn allowed_by(table: MoveTable) -> Result<(WorksResult, Study), Error> {
+    let bytes = std::fs::read(sample("flat.dxf")).unwrap();
+    let settings = Settings { moves: vec![table], ..settings(Vec::new()) };
+    let found = works::works_of(&Input::new("flat.dxf", &bytes, 1), &settings, &Cancel::default());
+    found.map(|(outcome, study)| (outcome.result, study))
+}
+
 #[test]
 fn what_is_decided_is_shown_and_said_by_check() {
     let bytes = std::fs::read(sample("flat.dxf")).unwrap();
