@@ -61,6 +61,9 @@ fn draw_plan(canvas: &mut Canvas, frame: &Frame, picture: &PlanPicture) {
     draw_fixed(canvas, frame, picture);
     let movable = picture.strokes.iter().filter(|s| s.kind == StrokeKind::Movable);
     draw_alike(canvas, frame, movable, MOVABLE_LOOK);
+    // A new wall is a wall too: in red it lies on its black.
+    let built = picture.strokes.iter().filter(|s| s.kind == StrokeKind::Built);
+    draw_alike(canvas, frame, built, BUILT_LOOK);
     picture.floor.iter().for_each(|f| name(canvas, frame, f));
 }
 
@@ -136,14 +139,13 @@ const IGNORED_LOOK: Look = Look::solid(LEFT_OUT, 0.5, 0.0);
 /// Looks of what is neither fixed nor movable.
 fn stroke_look(kind: StrokeKind) -> Option<Look> {
     match kind {
-        StrokeKind::Fixed | StrokeKind::Movable => None,
+        StrokeKind::Fixed | StrokeKind::Movable | StrokeKind::Built => None,
         StrokeKind::Opening => Some(PASSAGE_LOOK),
         StrokeKind::Door => Some(DOOR_LOOK),
         StrokeKind::Window => Some(WINDOW_LOOK),
         StrokeKind::Ignored => Some(IGNORED_LOOK),
         StrokeKind::Doubtful => Some(DOUBTFUL_LOOK),
         StrokeKind::Demolished => Some(DEMOLISHED_LOOK),
-        StrokeKind::Built => Some(BUILT_LOOK),
         StrokeKind::Before => Some(Look::solid(GREY, 0.6, 0.0).dashed(&[4.0, 3.0])),
         StrokeKind::Moved => Some(MOVABLE_LOOK),
     }
