@@ -83,6 +83,28 @@ impl Graph {
         tiles.binary_search(&tile).is_ok_and(|at| masks[at] >> bit & 1 == 1)
     }
 
+    /// Pairs that see each other here and not in `other`, a graph of the same lattice; each once, the smaller first, in an
+    /// order that depends on the lattice alone.
+    pub fn beyond(&self, other: &Self) -> Vec<[u32; 2]> {
+        let mut out = Vec::new();
+        for rank in 0..self.len() {
+            let u = self.tiles.vertex_of[rank];
+            let ((tiles, masks), (known, known_masks)) = (self.row(rank), other.row(rank));
+            let mut at = 0;
+            for (&tile, &mask) in tiles.iter().zip(masks) {
+                at += known[at..].iter().take_while(|t| **t < tile).count();
+                let seen = known_masks.get(at).filter(|_| known[at] == tile).copied().unwrap_or(0);
+                for_each_bit(mask & !seen, |bit| {
+                    let v = self.tiles.vertex_of[self.tiles.rank(tile, bit)];
+                    if u < v {
+                        out.push([u, v]);
+                    }
+                });
+            }
+        }
+        out
+    }
+
     /// Component label of every vertex: the smallest vertex of its component.
     pub fn components(&self) -> Vec<u32> {
         let by_rank = self.rank_components();

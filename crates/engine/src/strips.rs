@@ -105,6 +105,11 @@ impl Fraction {
     }
 }
 
+/// The zero point of the local frame: the lowest vertex, drawing frame.
+pub(super) fn low_um(lattice: &Lattice, tiles: &Tiles) -> [i64; 2] {
+    [0, 1].map(|k| lattice.origin_um[k] + tiles.min_cell[k] * lattice.spacing_um)
+}
+
 impl Strips {
     /// `None` if the lattice is too sparse or a coordinate too large for the sweep's arithmetic.
     pub fn new(lattice: &Lattice, tiles: &Tiles, obstacles: &Obstacles) -> Option<Self> {
@@ -135,7 +140,7 @@ impl Strips {
     /// Keeps the walls that meet the box of the vertices, in the local frame, lower end first.
     fn take_walls(&mut self, lattice: &Lattice, tiles: &Tiles, segments: &[Segment]) -> Option<()> {
         let s = lattice.spacing_um;
-        let low = [0, 1].map(|k| lattice.origin_um[k] + tiles.min_cell[k] * s);
+        let low = low_um(lattice, tiles);
         let size = [(self.columns - 1) as i64 * s, (self.rows - 1) as i64 * s];
         for segment in segments {
             let (a, b) = (segment.a, segment.b);

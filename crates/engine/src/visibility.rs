@@ -7,12 +7,12 @@
 
 use rayon::prelude::*;
 
-use crate::geometry::{Segment, segments_touch};
+use crate::geometry::{PointUm, Segment, segments_touch};
 
 pub use super::graph::Graph;
 use super::graph::RowChunk;
 use super::halves::{Half, Halves};
-use super::strips::{EndId, Fraction, NEGATIVE_INFINITY, POSITIVE_INFINITY, Piece, Strips};
+use super::strips::{self, EndId, Fraction, NEGATIVE_INFINITY, POSITIVE_INFINITY, Piece, Strips};
 use super::tiles::{NO_TILE, Tiles};
 use super::{Lattice, Obstacles};
 
@@ -22,13 +22,31 @@ const HUGE: f64 = 1e300;
 /// Two cells see each other iff the closed segment between their centres touches no obstacle and
 /// neither is blind. Exact; runs on the current rayon pool; the same bits on any number of threads.
 pub fn visibility_graph(lattice: &Lattice, obstacles: &Obstacles) -> Graph {
+    graph_of(lattice, obstacles, None)
+}
+
+/// Those pairs of [`visibility_graph`] whose line of sight meets a window, and maybe others of it: what an obstacle in the
+/// window hides or would hide, at the cost of the view through it. A window is the corners of a convex polygon, at least
+/// two; drawing frame.
+pub fn graph_through(lattice: &Lattice, obstacles: &Obstacles, windows: &[Vec<PointUm>]) -> Graph {
+    graph_of(lattice, obstacles, Some(windows))
+}
+
+fn graph_of(lattice: &Lattice, obstacles: &Obstacles, windows: Option<&[Vec<PointUm>]>) -> Graph {
     let tiles = Tiles::new(lattice);
     let Some(strips) = Strips::new(lattice, &tiles, obstacles) else {
         return pairwise_graph(lattice, obstacles);
     };
+    let low = strips::low_um(lattice, &tiles);
+    let local = |p: &PointUm| [0, 1].map(|k| p[k] as f64 - low[k] as f64);
+    let of =
+        |all: &[Vec<PointUm>]| all.iter().map(|w| w.iter().map(local).collect()).collect::<Vec<Window>>();
+    let windows = windows.map(of);
+    let windows: Option<&[Window]> = windows.as_deref();
     let all = (0..tiles.count()).into_par_iter();
     let look = |sweep: &mut Sweep<'_>, t: usize| sweep.half(t);
-    let halves = all.clone().map_init(|| Sweep::new(&strips, &tiles), look).collect();
+    let new = || Sweep { windows, ..Sweep::new(&strips, &tiles) };
+    let halves = all.clone().map_init(new, look).collect();
     let halves = Halves::new(&tiles, halves);
     let chunks = all.map_init(Vec::new, |squares, t| halves.rows(t, squares)).collect();
     drop(halves);
@@ -148,10 +166,20 @@ struct Interval {
     hi: End,
 }
 
+/// Corners of a window, frame of the strips, micrometres.
+type Window = Vec<[f64; 2]>;
+
+/// A line that passes a window by less passes through it, micrometres: what is cut at a window ends on whole ones.
+const WINDOW_RIM_UM: f64 = 2.0;
+
 /// One worker: buffers that live as long as it does.
 struct Sweep<'a> {
     strips: &'a Strips,
     tiles: &'a Tiles,
+    /// What is looked through; `None`: anything.
+    windows: Option<&'a [Window]>,
+    /// Slopes of the windows as the viewer has them above, from and to.
+    views: Vec<[f64; 2]>,
     gaps: Vec<Interval>,
     next_gaps: Vec<Interval>,
     blocks: Vec<Interval>,
@@ -181,6 +209,8 @@ impl<'a> Sweep<'a> {
         Self {
             strips,
             tiles,
+            windows: None,
+            views: Vec::new(),
             gaps: Vec::new(),
             next_gaps: Vec::new(),
             blocks: Vec::new(),
@@ -279,11 +309,12 @@ impl<'a> Sweep<'a> {
     /// The half plane above the viewer.
     fn sweep(&mut self) {
         let rows = self.strips.rows - 1 - self.viewer.row;
-        if rows == 0 {
+        if rows == 0 || !self.looks_up() {
             return;
         }
         self.first_strip();
         for distance in 1..=rows {
+            self.keep_views();
             self.emit(distance);
             if self.gaps.is_empty() || distance == rows {
                 break;
@@ -291,6 +322,48 @@ impl<'a> Sweep<'a> {
             self.advance(distance);
         }
         self.gaps.clear();
+    }
+
+    /// Finds the slopes of the windows; whether any of them lies above.
+    fn looks_up(&mut self) -> bool {
+        let Some(windows) = self.windows else { return true };
+        self.views.clear();
+        for window in windows {
+            let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
+            let (mut is_above, mut is_below) = (false, false);
+            for [x, y] in window {
+                let [dx, dy] = [x - self.viewer.x, y - self.viewer.y];
+                if dy > WINDOW_RIM_UM {
+                    is_above = true;
+                    let rim = WINDOW_RIM_UM * (1.0 + (dx / dy).abs()) / dy;
+                    (from, to) = (from.min(dx / dy - rim), to.max(dx / dy + rim));
+                } else {
+                    is_below = true;
+                    is_above |= dy > -WINDOW_RIM_UM;
+                }
+            }
+            if !is_above {
+                continue;
+            }
+            // A window that reaches below is seen to the horizon on the sides on which it lies there.
+            let lies = |side: f64| window.iter().any(|[x, _]| (x - self.viewer.x) * side > -WINDOW_RIM_UM);
+            if is_below && lies(-1.0) {
+                from = f64::NEG_INFINITY;
+            }
+            if is_below && lies(1.0) {
+                to = f64::INFINITY;
+            }
+            self.views.push([from, to]);
+        }
+        !self.views.is_empty()
+    }
+
+    /// Forgets gaps in which no window lies.
+    fn keep_views(&mut self) {
+        if self.windows.is_some() {
+            let views = &self.views;
+            self.gaps.retain(|g| views.iter().any(|[from, to]| g.hi.slope >= *from && g.lo.slope <= *to));
+        }
     }
 
     /// From the viewer's row to the next: looks right and left as far as nothing closes the view.

@@ -30,6 +30,27 @@ proptest! {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { cases: 1500, max_shrink_iters: 4000, ..ProptestConfig::default() })]
+
+    /// All that meets a window is seen through it, and nothing that is not seen at all.
+    #[test]
+    fn through_a_window_all_is_seen_that_it_would_hide((lattice, mut obstacles) in fixtures::plans(), two in any::<bool>()) {
+        let count = obstacles.segments.len().min(1 + usize::from(two));
+        let taken = obstacles.segments.split_off(obstacles.segments.len() - count);
+        let windows: Vec<Vec<PointUm>> = taken.iter().map(|s| vec![s.a, s.b]).collect();
+        let (all, through) = (visibility_graph(&lattice, &obstacles), graph_through(&lattice, &obstacles, &windows));
+        for u in 0..lattice.cells.len() as u32 {
+            for v in 0..u {
+                let [a, b] = [u, v].map(|x| lattice.centre_um(x as usize));
+                let meets = taken.iter().any(|s| segments_touch(*s, Segment { a, b }));
+                prop_assert!(!through.sees(u, v) || all.sees(u, v));
+                prop_assert!(!(meets && all.sees(u, v)) || through.sees(u, v), "{u} {v} {windows:?}");
+            }
+        }
+    }
+}
+
+proptest! {
     #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
 
     #[test]

@@ -15,12 +15,12 @@ use crate::understand::rooms::rooms_with_kinds;
 use crate::understand::sensed::Sensed;
 use crate::write::show;
 use enfilade_config::Settings;
+use enfilade_engine::Lattice;
 use enfilade_engine::forest::tally;
 use enfilade_engine::geometry::{Segment, UM_PER_M};
 use enfilade_engine::graph::Graph;
 use enfilade_engine::measures::mean_depth;
 use enfilade_engine::visibility::visibility_graph;
-use enfilade_engine::{Lattice, Obstacles};
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
 use enfilade_overlay::result::{self, Interval};
 use enfilade_overlay::works::{
@@ -31,7 +31,7 @@ use enfilade_plan::Plan;
 use enfilade_plan::axes::OpeningKind;
 use enfilade_plan::floor::Beside;
 use enfilade_report::{Cancel, Error, OutFile, Place, Report};
-use enfilade_works::counts::{Present, degrees};
+use enfilade_works::counts::{Present, degrees, difference};
 use enfilade_works::rooms::rooms_of;
 use enfilade_works::walls::{Wall, walls};
 use enfilade_works::{Change, Room, Site, Work, WorkKind, works};
@@ -327,12 +327,12 @@ fn confirmed(study: &Study, settings: &Settings, works: &[&Work]) -> BTreeMap<us
 fn on_one(study: &Study, settings: &Settings, at: LatticeAt, changes: &[&Change]) -> Option<Vec<f64>> {
     let on = study.on_lattices(settings, &[at], Use::Few).ok()?;
     let obstacles = on.initial_obstacles();
-    let degrees = |segments: Vec<Segment>| {
-        let obstacles = Obstacles { segments, blind: obstacles.blind.clone() };
-        degrees(&on.lattice, &visibility_graph(&on.lattice, &obstacles)) as f64
+    let graph = visibility_graph(&on.lattice, &obstacles);
+    let now = degrees(&on.lattice, &graph).max(1) as f64;
+    let is_query = is_query(&on.lattice);
+    let gain = |c: &&Change| {
+        difference(&on.lattice, &obstacles, &graph, c).gained(&on.lattice, &is_query) as f64 / now
     };
-    let now = degrees(obstacles.segments.clone());
-    let gain = |c: &&Change| (degrees(c.apply(&obstacles.segments)) - now) / now.max(1.0);
     Some(changes.iter().map(gain).collect())
 }
 

@@ -8,7 +8,7 @@
 use enfilade_engine::forest::tally_of;
 use enfilade_engine::geometry::{PointUm, Segment, segments_touch};
 use enfilade_engine::graph::Graph;
-use enfilade_engine::visibility::visibility_graph;
+use enfilade_engine::visibility::{graph_through, visibility_graph};
 use enfilade_engine::{Lattice, Obstacles};
 use enfilade_plan::Plan;
 
@@ -71,15 +71,6 @@ impl Present<'_> {
         degrees(self.lattice, self.graph)
     }
 
-    /// How many ordered pairs show a private room to somebody who is not in it.
-    pub fn shown_private(&self) -> u64 {
-        let mut sum = 0;
-        for u in 0..self.lattice.cells.len() as u32 {
-            self.graph.for_each_neighbour(u, |v| sum += u64::from(self.shows_private(u, v)));
-        }
-        sum
-    }
-
     /// What a view between two vertices shows of private rooms.
     fn shows(&self, u: u32, v: u32) -> Shows {
         if !self.shows_private(u, v) {
@@ -96,11 +87,6 @@ impl Present<'_> {
         a != b && (is_private(a) || is_private(b))
     }
 
-    fn weight(&self, u: u32, v: u32) -> u32 {
-        let sees = |a: u32, b: u32| self.is_query[a as usize] && self.lattice.is_reference[b as usize];
-        u32::from(sees(u, v)) + u32::from(sees(v, u))
-    }
-
     /// The graph after a change.
     pub fn changed(&self, change: &Change) -> Graph {
         let obstacles = Obstacles {
@@ -113,22 +99,78 @@ impl Present<'_> {
     /// Everybody who sees somebody through a stretch of a wall once it is gone, and does not see him now.
     pub fn through(&self, wall: &Wall, stretch_m: [f64; 2]) -> Vec<Through> {
         let gone = Change { demolished: vec![wall.quad(self.plan, stretch_m)], built: Vec::new() };
-        let graph = self.changed(&gone);
-        let mut out = Vec::new();
-        for u in 0..self.lattice.cells.len() as u32 {
-            if graph.degree(u) == self.graph.degree(u) {
-                continue;
-            }
-            graph.for_each_neighbour(u, |v| {
-                if u < v && !self.graph.sees(u, v) {
-                    let [a, b] = [u, v].map(|x| self.lattice.centre_um(x as usize));
-                    let span_m = crossing(self.plan, wall, a, b);
-                    out.push(Through { span_m, weight: self.weight(u, v), shows: self.shows(u, v) });
-                }
-            });
-        }
-        out
+        let one = |&[u, v]: &[u32; 2]| {
+            let [a, b] = [u, v].map(|x| self.lattice.centre_um(x as usize));
+            let span_m = crossing(self.plan, wall, a, b);
+            Through { span_m, weight: weight(self.lattice, self.is_query, u, v), shows: self.shows(u, v) }
+        };
+        self.difference(&gone).seen.iter().map(one).collect()
     }
+
+    /// Who sees whom after a change and does not now, and the other way round.
+    pub fn difference(&self, change: &Change) -> Difference {
+        difference(self.lattice, self.obstacles, self.graph, change)
+    }
+
+    /// What a change adds to [`Self::degrees`].
+    pub fn gained(&self, difference: &Difference) -> i64 {
+        difference.gained(self.lattice, self.is_query)
+    }
+
+    /// What a change adds to the ordered pairs that show a private room to somebody who is not in it.
+    pub fn gained_private(&self, difference: &Difference) -> i64 {
+        difference.sum(|u, v| 2 * i64::from(self.shows_private(u, v)))
+    }
+}
+
+/// Pairs of vertices, each once, the smaller first.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Difference {
+    /// Those that see each other afterwards and do not now.
+    pub seen: Vec<[u32; 2]>,
+    /// Those that see each other now and do not afterwards.
+    pub hidden: Vec<[u32; 2]>,
+}
+
+impl Difference {
+    /// Of what each pair counts: those gained less those lost.
+    pub fn sum(&self, of: impl Fn(u32, u32) -> i64) -> i64 {
+        let all = |pairs: &[[u32; 2]]| pairs.iter().map(|&[u, v]| of(u, v)).sum::<i64>();
+        all(&self.seen) - all(&self.hidden)
+    }
+
+    /// What is added to the sum of degrees.
+    pub fn gained(&self, lattice: &Lattice, is_query: &[bool]) -> i64 {
+        self.sum(|u, v| i64::from(weight(lattice, is_query, u, v)))
+    }
+}
+
+/// What a change does to who sees whom on a lattice, at the cost of the view through it: what is gained is seen through what
+/// is demolished, what is lost is hidden by what is built.
+pub fn difference(lattice: &Lattice, now: &Obstacles, graph: &Graph, change: &Change) -> Difference {
+    let mut out = Difference::default();
+    let then = Obstacles { segments: change.apply(&now.segments), blind: now.blind.clone() };
+    if !change.demolished.is_empty() {
+        let windows: Vec<Vec<PointUm>> = change.demolished.iter().map(|q| q.to_vec()).collect();
+        out.seen = graph_through(lattice, &then, &windows).beyond(graph);
+    }
+    if !change.built.is_empty() {
+        let windows: Vec<Vec<PointUm>> = change.built.iter().map(|s| vec![s.a, s.b]).collect();
+        let [before, after] = [now, &then].map(|of| graph_through(lattice, of, &windows));
+        // Both hold more than what meets a window, and not the same of it.
+        out.hidden = before.beyond(&after);
+        out.hidden.retain(|&[u, v]| {
+            let [a, b] = [u, v].map(|x| lattice.centre_um(x as usize));
+            change.built.iter().any(|s| segments_touch(*s, Segment { a, b }))
+        });
+    }
+    out
+}
+
+/// How many of the two ways round a pair is one of a vertex of query and one of reference: 0 to 2.
+fn weight(lattice: &Lattice, is_query: &[bool], u: u32, v: u32) -> u32 {
+    let sees = |a: u32, b: u32| is_query[a as usize] && lattice.is_reference[b as usize];
+    u32::from(sees(u, v)) + u32::from(sees(v, u))
 }
 
 /// Ordered pairs of a vertex of query and one of reference that see each other.

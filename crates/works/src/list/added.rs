@@ -8,7 +8,6 @@ use glam::DVec2;
 
 use super::{Finder, Work, Works};
 use crate::change::Change;
-use crate::counts::Present;
 use crate::marks::Word;
 use crate::rooms::{RoomId, room_at};
 use crate::walls::{Wall, WallId};
@@ -32,7 +31,6 @@ impl Finder<'_> {
         if !allows_any {
             return out;
         }
-        let now = p.degrees() as i64;
         let mut best: BTreeMap<RoomId, Work> = BTreeMap::new();
         for id in (0..self.site.walls.len()).map(WallId) {
             for stretch in self.across(&self.site.walls[id.0]) {
@@ -47,8 +45,7 @@ impl Finder<'_> {
                 out.tried += 1;
                 out.legal += 1;
                 let change = Change { demolished: Vec::new(), built: self.faces(stretch) };
-                let graph = p.changed(&change);
-                let gained = Present { graph: &graph, ..*p }.degrees() as i64 - now;
+                let gained = p.gained(&p.difference(&change));
                 if best.get(&room).is_some_and(|b| b.gained >= gained) {
                     continue;
                 }

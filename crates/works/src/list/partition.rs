@@ -6,7 +6,7 @@ use enfilade_brief::WorkKind;
 
 use super::{Finder, Pair, Run, WIDTHS_M, Work, Works, best, same};
 use crate::change::Change;
-use crate::counts::{Present, STEP_M, Shows, counts};
+use crate::counts::{STEP_M, Shows, counts};
 use crate::marks::Word;
 use crate::rooms::RoomId;
 use crate::rule::Rule;
@@ -128,10 +128,8 @@ impl Finder<'_> {
             built.push(faces(-half));
         }
         let change = Change { demolished: Vec::new(), built };
-        let after = self.site.present.changed(&change);
-        let degrees =
-            |of: &enfilade_engine::graph::Graph| Present { graph: of, ..self.present() }.degrees() as i64;
-        let lost = degrees(&after) - degrees(self.site.present.graph);
+        let present = &self.site.present;
+        let lost = present.gained(&present.difference(&change));
         let ways = |r: RoomId| self.ways(r);
         let last: Vec<Rule> = [a, b].into_iter().filter(|r| ways(*r) <= 1).map(Rule::LastDoor).collect();
         let ends = [line.point(from, 0.0), line.point(to, 0.0)];
@@ -153,10 +151,6 @@ impl Finder<'_> {
             forbidden_by,
         });
         self.rehung(chain, (index, [from, to]), pair, (&change, lost), out);
-    }
-
-    fn present(&self) -> Present<'_> {
-        Present { ..self.site.present }
     }
 
     /// Doors and passages of a room.
@@ -323,16 +317,12 @@ impl Finder<'_> {
     /// more of it may be seen.
     fn judge_rehung(&self, work: &mut Work, walls: &[WallId]) {
         let p = &self.site.present;
-        let after = p.changed(&work.change);
-        let shown =
-            |graph: &enfilade_engine::graph::Graph| Present { graph, ..self.present() }.shown_private();
-        let degrees =
-            |graph: &enfilade_engine::graph::Graph| Present { graph, ..self.present() }.degrees() as i64;
-        work.gained = degrees(&after) - degrees(p.graph);
+        let difference = p.difference(&work.change);
+        work.gained = p.gained(&difference);
         let rules = self.rules(walls, work.rooms).into_iter().filter(|r| !matches!(r, Rule::Private(_)));
         let word = self.word(WorkKind::Rehang, work.width_m, work.stretch, walls);
         work.forbidden_by = word.rules(rules.collect());
-        if word != Word::Granted && shown(&after) > shown(p.graph) {
+        if word != Word::Granted && p.gained_private(&difference) > 0 {
             work.forbidden_by.push(Rule::ShowsPrivate);
         }
     }
