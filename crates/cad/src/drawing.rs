@@ -453,23 +453,57 @@ pub enum Edit {
         /// All that the file states: corners, centres of arcs and points inside, in its order.
         points: Vec<DVec2>,
     },
+    /// A stretch of the wall at `record` goes: a building work, beside no other edit of the same record.
+    Cut {
+        /// [`SourceRef::record`].
+        record: usize,
+        /// What goes: the stretch with both faces, corners in ring order.
+        gone: [DVec2; 4],
+        /// What stays of a drawn line, in its order: the first part keeps the record, new ones behind it are alike.
+        /// Nothing: it goes as a whole.
+        parts: Vec<Shape>,
+    },
+    /// The entity at `record` is demolished: it goes to [`own_layers::DEMOLISHED`](super::own_layers::DEMOLISHED).
+    Drop {
+        /// [`SourceRef::record`].
+        record: usize,
+    },
+    /// What is drawn new, behind the entity at `record` and with its properties.
+    Build {
+        /// [`SourceRef::record`].
+        record: usize,
+        /// The new lines.
+        shapes: Vec<Shape>,
+    },
 }
 
 impl Edit {
+    /// Whether it is a building work.
+    pub fn is_work(&self) -> bool {
+        matches!(self, Self::Cut { .. } | Self::Drop { .. } | Self::Build { .. })
+    }
+
     /// [`SourceRef::record`] of what it changes.
     pub fn record(&self) -> usize {
         match self {
             Self::Shape { record, .. }
             | Self::Insert { record, .. }
             | Self::Ends { record, .. }
-            | Self::Points { record, .. } => *record,
+            | Self::Points { record, .. }
+            | Self::Cut { record, .. }
+            | Self::Drop { record }
+            | Self::Build { record, .. } => *record,
         }
     }
 
     /// Whether it moves something by nothing.
     pub fn is_still(&self) -> bool {
         match self {
-            Self::Shape { .. } | Self::Points { .. } => false,
+            Self::Shape { .. }
+            | Self::Points { .. }
+            | Self::Cut { .. }
+            | Self::Drop { .. }
+            | Self::Build { .. } => false,
             Self::Insert { motion, .. } => motion.turn_rad == 0.0 && motion.shift == DVec2::ZERO,
             Self::Ends { by, .. } => *by == [0.0; 2],
         }

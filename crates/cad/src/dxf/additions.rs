@@ -19,36 +19,31 @@ const MAX_COUNTED_HANDLE: u64 = 1 << 48;
 /// Distance of text lines in letter heights.
 const LINE_PITCH: f64 = 1.5;
 
-/// Adds the splices that put `additions` into the file.
-pub(super) fn splice_in(
+/// Adds the splices that put `additions` into the file. What was drawn beside them with the same writer has its handles
+/// before theirs.
+pub(super) fn splice_in<'t, 'a>(
     file: &str,
-    tokens: &Tokens<'_>,
     additions: &[Addition],
+    mut writer: Writer<'t, 'a>,
     splices: &mut Vec<Splice>,
 ) -> Result<(), Error> {
-    if additions.is_empty() {
-        return Ok(());
-    }
+    let tokens = writer.tokens;
+    let header = Header::read(tokens);
     let fault =
         |text: String| Error::input("dxf-addition", Place::file(file), text + "; nothing was written");
-    let Some(section) = tokens.section(b"ENTITIES").filter(|s| s.end < tokens.records.len()) else {
-        return Err(fault("the drawing has no ENTITIES section to add to".into()));
-    };
     if let Some(bad) = additions.iter().find(|a| !is_drawable(&a.mark)) {
         return Err(fault(format!(
             "what is to be added on {} has no finite coordinates or no size",
             bad.layer
         )));
     }
-    let header = Header::read(tokens);
-    let mut writer = Writer::new(tokens, &header, &section);
     let layers = LayerTable::find(tokens, &writer);
     splices.extend(layers.map(|table| table.with_layers_of(additions, &mut writer)).unwrap_or_default());
     for addition in additions {
         writer.entity(addition);
     }
-    let at = tokens.record_start(section.end);
-    splices.push(Splice { start: at, end: at, with: std::mem::take(&mut writer.out) });
+    let at = tokens.record_start(writer.section_end);
+    splices.push(Splice { start: at, end: at, with: writer.take() });
     splices.extend(writer.seed_splice(&header));
     Ok(())
 }
@@ -63,7 +58,9 @@ fn is_drawable(mark: &Mark) -> bool {
 }
 
 /// Writes pairs as the file writes them.
-struct Writer<'t, 'a> {
+pub(super) struct Writer<'t, 'a> {
+    /// The record behind the last entity.
+    section_end: usize,
     tokens: &'t Tokens<'a>,
     page: CodePage,
     out: Vec<u8>,
@@ -121,6 +118,36 @@ impl Handles {
 }
 
 impl<'t, 'a> Writer<'t, 'a> {
+    /// A writer for a file.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where it has no section of entities to add to.
+    pub fn for_file(file: &str, tokens: &'t Tokens<'a>) -> Result<Self, Error> {
+        let section = tokens.section(b"ENTITIES").filter(|s| s.end < tokens.records.len());
+        let Some(section) = section else {
+            let text = "the drawing has no ENTITIES section to add to; nothing was written";
+            return Err(Error::input("dxf-addition", Place::file(file), text));
+        };
+        Ok(Self::new(tokens, &Header::read(tokens), &section))
+    }
+
+    /// What was written since the last time.
+    pub fn take(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.out)
+    }
+
+    /// A value as another pair of the file has it.
+    pub fn raw(&mut self, code: i32, value: &[u8]) {
+        self.code(code);
+        self.out.extend_from_slice(value);
+        let end: &[u8] = match self.tokens.form {
+            Form::Ascii => self.line_end,
+            Form::Binary { .. } if kind_of(code) == Kind::Text => b"\0",
+            Form::Binary { .. } => b"",
+        };
+        self.out.extend_from_slice(end);
+    }
+
     fn new(tokens: &'t Tokens<'a>, header: &Header, section: &std::ops::Range<usize>) -> Self {
         let version = header.version.as_str();
         let first_line = tokens.bytes.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(0);
@@ -138,6 +165,7 @@ impl<'t, 'a> Writer<'t, 'a> {
             || in_use(section.clone())
             || version >= "AC1012" && in_use(tokens.section(b"TABLES").unwrap_or(0..0));
         Self {
+            section_end: section.end,
             tokens,
             page: header.page(tokens),
             out: Vec::new(),
@@ -168,18 +196,18 @@ impl<'t, 'a> Writer<'t, 'a> {
         }
     }
 
-    fn bytes(&mut self, code: i32, value: &[u8]) {
+    pub fn bytes(&mut self, code: i32, value: &[u8]) {
         self.code(code);
         self.out.extend_from_slice(value);
         let end: &[u8] = if self.tokens.form == Form::Ascii { self.line_end } else { b"\0" };
         self.out.extend_from_slice(end);
     }
 
-    fn text(&mut self, code: i32, value: &str) {
+    pub fn text(&mut self, code: i32, value: &str) {
         self.bytes(code, value.as_bytes());
     }
 
-    fn float(&mut self, code: i32, value: f64) {
+    pub fn float(&mut self, code: i32, value: f64) {
         if self.tokens.form == Form::Ascii {
             self.text(code, &number_text(value));
         } else {
@@ -188,7 +216,7 @@ impl<'t, 'a> Writer<'t, 'a> {
         }
     }
 
-    fn int(&mut self, code: i32, value: i32) {
+    pub fn int(&mut self, code: i32, value: i32) {
         if self.tokens.form == Form::Ascii {
             self.text(code, &value.to_string());
             return;
@@ -206,7 +234,7 @@ impl<'t, 'a> Writer<'t, 'a> {
         self.float(code + 20, 0.0);
     }
 
-    fn handle(&mut self) {
+    pub fn handle(&mut self) {
         if let Some(handle) = self.handles.as_mut().map(Handles::fresh) {
             self.text(5, &format!("{handle:X}"));
         }
@@ -295,7 +323,7 @@ impl<'t, 'a> Writer<'t, 'a> {
 }
 
 /// Replaces the text of a value, its padding kept.
-fn value_splice(tokens: &Tokens<'_>, index: usize, with: &[u8]) -> Splice {
+pub(super) fn value_splice(tokens: &Tokens<'_>, index: usize, with: &[u8]) -> Splice {
     let pair = &tokens.pairs[index];
     let raw = tokens.raw(pair);
     let value = trim(raw);
@@ -311,6 +339,19 @@ pub(super) fn count_splice(tokens: &Tokens<'_>, index: usize, by: i64) -> Option
         Form::Ascii => Some(value_splice(tokens, index, count.to_string().as_bytes())),
         Form::Binary { .. } => {
             let with = (count as i16).to_le_bytes().to_vec();
+            Some(Splice { start: pair.start as usize, end: pair.end as usize, with })
+        }
+    }
+}
+
+/// Replaces a 32-bit count by itself plus `by`.
+pub(super) fn count32_splice(tokens: &Tokens<'_>, index: usize, by: i64) -> Option<Splice> {
+    let pair = &tokens.pairs[index];
+    let count = tokens.integer(pair)? + by;
+    match tokens.form {
+        Form::Ascii => Some(value_splice(tokens, index, count.to_string().as_bytes())),
+        Form::Binary { .. } => {
+            let with = i32::try_from(count).ok()?.to_le_bytes().to_vec();
             Some(Splice { start: pair.start as usize, end: pair.end as usize, with })
         }
     }

@@ -17,6 +17,7 @@ mod boundary;
 mod colour;
 mod complete;
 mod curves;
+mod cut;
 mod entity;
 mod fields;
 mod fill;

@@ -67,6 +67,15 @@ impl Place {
         }
     }
 
+    /// A line of model space, newly drawn, as one of the definition; `None` of an arc that would have to be stretched.
+    pub fn new_back(&self, new: &Shape) -> Option<Shape> {
+        let back = self.map.inverse();
+        match new {
+            Shape::Arc { .. } | Shape::Circle { .. } if similarity(&self.map).is_none() => None,
+            _ => Some(mapped(new, &back, None)),
+        }
+    }
+
     /// A shape of model space as one of the definition, where it was `drawn`; what did not change comes out as it was.
     pub fn shape_back(&self, new: &Shape, drawn: &Shape) -> Option<Shape> {
         let old = mapped(drawn, &self.map, None);

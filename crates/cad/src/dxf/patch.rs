@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use glam::DVec2;
 
 use super::ReadOptions;
-use super::additions;
+use super::additions::{self, Writer};
 use super::blocks::Blocks;
 use super::curves::is_upright;
 use super::fields::{
@@ -54,9 +54,13 @@ pub fn patch(file: &str, bytes: &[u8], edits: &[Edit], additions: &[Addition]) -
         return Ok(bytes.to_vec());
     }
     let tokens = tokens_of(file, bytes)?;
+    let is_drawn = !additions.is_empty() || edits.iter().any(Edit::is_work);
+    let mut writer = is_drawn.then(|| Writer::for_file(file, &tokens)).transpose()?;
     let mut splices: Vec<Splice> =
-        edit_splices(file, &tokens, edits)?.into_iter().flatten().map(|(_, s)| s).collect();
-    additions::splice_in(file, &tokens, additions, &mut splices)?;
+        edit_splices(file, &tokens, edits, writer.as_mut())?.into_iter().flatten().map(|(_, s)| s).collect();
+    if let Some(writer) = writer {
+        additions::splice_in(file, additions, writer, &mut splices)?;
+    }
     apply(file, "dxf-edit-twice", bytes, splices)
 }
 
@@ -67,7 +71,9 @@ pub fn patch(file: &str, bytes: &[u8], edits: &[Edit], additions: &[Addition]) -
 /// As [`patch`].
 pub fn changed_records(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<Vec<ChangedRecord>>, Error> {
     let tokens = tokens_of(file, bytes)?;
-    let splices = edit_splices(file, &tokens, edits)?;
+    let mut writer =
+        if edits.iter().any(Edit::is_work) { Some(Writer::for_file(file, &tokens)?) } else { None };
+    let splices = edit_splices(file, &tokens, edits, writer.as_mut())?;
     let named = |splices: Vec<(usize, Splice)>| {
         let mut records: Vec<usize> = splices.into_iter().map(|(record, _)| record).collect();
         records.dedup();
@@ -87,7 +93,12 @@ pub(super) fn tokens_of<'a>(file: &str, bytes: &'a [u8]) -> Result<Tokens<'a>, E
 
 type RecordSplices = Vec<(usize, Splice)>;
 
-fn edit_splices(file: &str, tokens: &Tokens<'_>, edits: &[Edit]) -> Result<Vec<RecordSplices>, Error> {
+fn edit_splices<'t, 'a>(
+    file: &str,
+    tokens: &'t Tokens<'a>,
+    edits: &[Edit],
+    mut writer: Option<&mut Writer<'t, 'a>>,
+) -> Result<Vec<RecordSplices>, Error> {
     let section = tokens.section(b"ENTITIES").unwrap_or(0..0);
     let edits = definition_edits(file, tokens, edits)?;
     let edits = edits.as_ref();
@@ -105,6 +116,17 @@ fn edit_splices(file: &str, tokens: &Tokens<'_>, edits: &[Edit]) -> Result<Vec<R
                 Edit::Insert { motion, .. } => editor.insert(motion)?,
                 Edit::Points { points, .. } => editor.points(points)?,
                 Edit::Ends { .. } => return Err(editor.fault("no entity has ends of its own to move")),
+                Edit::Drop { .. } => editor.drop()?,
+                Edit::Cut { .. } | Edit::Build { .. } => {
+                    let Some(writer) = writer.as_deref_mut() else {
+                        return Err(editor.fault("nothing can be drawn here"));
+                    };
+                    match edit {
+                        Edit::Cut { parts, .. } => editor.cut(parts, writer)?,
+                        Edit::Build { shapes, .. } => editor.build(shapes, writer)?,
+                        _ => {}
+                    }
+                }
             }
             Ok(editor.out)
         })
@@ -133,6 +155,7 @@ fn definition_edits<'e>(
         let editor = Editor { file, tokens, record, noise: 0.0, out: Vec::new() };
         let place = Placed::of(&mut reader, &blocks, record);
         let place = place.ok_or_else(|| editor.fault("no entity stands there that is shown exactly once"))?;
+        let back = |shapes: &[Shape]| shapes.iter().map(|s| place.new_back(s)).collect::<Option<Vec<_>>>();
         let changed = match edit {
             Edit::Shape { shape, .. } => {
                 let drawn = Placed::drawn(&mut reader, record);
@@ -146,7 +169,15 @@ fn definition_edits<'e>(
                     motion.ok_or_else(|| editor.fault("what shows it stretches it: it does not turn"))?;
                 Edit::Insert { record, motion }
             }
-            Edit::Ends { .. } | Edit::Points { .. } => edit.clone(),
+            Edit::Cut { gone, parts, .. } => {
+                let parts = back(parts).ok_or_else(|| editor.fault("what shows it stretches it"))?;
+                Edit::Cut { record, gone: *gone, parts }
+            }
+            Edit::Build { shapes, .. } => {
+                let shapes = back(shapes).ok_or_else(|| editor.fault("what shows it stretches it"))?;
+                Edit::Build { record, shapes }
+            }
+            Edit::Ends { .. } | Edit::Points { .. } | Edit::Drop { .. } => edit.clone(),
         };
         Ok(changed)
     };
@@ -154,17 +185,17 @@ fn definition_edits<'e>(
 }
 
 /// One edit of one entity.
-struct Editor<'t, 'a> {
+pub(super) struct Editor<'t, 'a> {
     file: &'t str,
-    tokens: &'t Tokens<'a>,
-    record: usize,
+    pub(super) tokens: &'t Tokens<'a>,
+    pub(super) record: usize,
     /// Differences up to this, drawing units, are none.
     noise: f64,
-    out: RecordSplices,
+    pub(super) out: RecordSplices,
 }
 
 impl Editor<'_, '_> {
-    fn fault(&self, reason: &str) -> Error {
+    pub(super) fn fault(&self, reason: &str) -> Error {
         let text = format!("the edit of record {}: {reason}; nothing was written", self.record);
         let is_record = self.record < self.tokens.records.len();
         let line = is_record.then(|| self.tokens.line(self.tokens.span(self.record).start));
@@ -183,7 +214,7 @@ impl Editor<'_, '_> {
     }
 
     /// Whether the record's plane is turned over, so that x and angles run the other way.
-    fn is_mirrored(&self, fields: &Fields<'_, '_>) -> Result<bool, Error> {
+    pub(super) fn is_mirrored(&self, fields: &Fields<'_, '_>) -> Result<bool, Error> {
         let value = |code| fields.index(code).map(|i| self.number(i)).transpose();
         let (x, y, z) = (value(210)?, value(220)?, value(230)?);
         if x.is_none() && y.is_none() && z.is_none() {
@@ -197,7 +228,7 @@ impl Editor<'_, '_> {
     }
 
     /// Sets the noise level from the coordinates an edit deals with.
-    fn listen(&mut self, points: impl IntoIterator<Item = DVec2>) -> Result<(), Error> {
+    pub(super) fn listen(&mut self, points: impl IntoIterator<Item = DVec2>) -> Result<(), Error> {
         let mut largest: f64 = 0.0;
         for p in points {
             if !p.is_finite() {
@@ -284,7 +315,7 @@ impl Editor<'_, '_> {
         Ok(())
     }
 
-    fn shape(&mut self, shape: &Shape) -> Result<(), Error> {
+    pub(super) fn shape(&mut self, shape: &Shape) -> Result<(), Error> {
         let fields = Fields::of(self.tokens, self.record);
         match (self.tokens.name(self.record), shape) {
             (b"LINE", Shape::Line { a, b }) => {

@@ -408,7 +408,11 @@ impl Ground {
                 Edit::Insert { motion, .. } => {
                     shown.for_each(|e| ground.add(&e.shape, &carried(&e.shape, motion)))
                 }
-                Edit::Ends { .. } | Edit::Points { .. } => {}
+                Edit::Ends { .. }
+                | Edit::Points { .. }
+                | Edit::Cut { .. }
+                | Edit::Drop { .. }
+                | Edit::Build { .. } => {}
             }
         }
         ground

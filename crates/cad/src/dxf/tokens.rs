@@ -302,9 +302,14 @@ impl<'a> Tokens<'a> {
 
     /// First byte of a record: that of its group code.
     pub fn record_start(&self, record: usize) -> usize {
-        match self.records[record] as usize {
+        self.pair_start(self.records[record] as usize)
+    }
+
+    /// First byte of a pair, or one past the last.
+    pub fn pair_start(&self, index: usize) -> usize {
+        match index {
             0 => self.head(),
-            first => self.pair_end(first - 1),
+            after => self.pair_end(after - 1),
         }
     }
 

@@ -32,15 +32,7 @@ pub(super) fn text(
 ) -> Result<Vec<u8>, Error> {
     let storey = building.storey(options.storey.as_deref(), options.sight, &mut Report::default())?;
     let lift = LIFT_M / building.geo.metres;
-    let mut writer = Writer {
-        b: building,
-        next,
-        out: Vec::new(),
-        z: storey.map_or(0.0, |s| s.floor) + lift,
-        history: history(building),
-        context: context(building),
-        made: Vec::new(),
-    };
+    let mut writer = Writer::new(building, next, storey.map_or(0.0, |s| s.floor) + lift);
     let mut by_layer: BTreeMap<&str, Vec<&Addition>> = BTreeMap::new();
     for addition in own {
         by_layer.entry(&addition.layer).or_default().push(addition);
@@ -59,7 +51,11 @@ pub(super) fn text(
         told.entry(id).or_default().extend(match edit {
             Edit::Insert { motion, .. } => writer.moved(id, motion),
             Edit::Ends { by, .. } => lengthened(*by),
-            Edit::Shape { .. } | Edit::Points { .. } => Vec::new(),
+            Edit::Shape { .. }
+            | Edit::Points { .. }
+            | Edit::Cut { .. }
+            | Edit::Drop { .. }
+            | Edit::Build { .. } => Vec::new(),
         });
     }
     for (id, names) in figures {
@@ -109,18 +105,36 @@ fn context(b: &Building<'_, '_>) -> Option<u64> {
     b.step.all("IFCSHAPEREPRESENTATION").find_map(of)
 }
 
-struct Writer<'b, 's, 'a> {
-    b: &'b Building<'s, 'a>,
+/// Writes instances as the file writes them.
+pub(super) struct Writer<'b, 's, 'a> {
+    pub(super) b: &'b Building<'s, 'a>,
     next: u64,
     out: Vec<u8>,
-    z: f64,
-    history: String,
-    context: Option<u64>,
+    /// Height of what is written, file units.
+    pub(super) z: f64,
+    /// The owner history to share.
+    pub(super) history: String,
+    /// The context of bodies.
+    pub(super) context: Option<u64>,
     made: Vec<u64>,
 }
 
+impl<'b, 's, 'a> Writer<'b, 's, 'a> {
+    /// A writer whose first instance has the number `next`.
+    pub(super) fn new(b: &'b Building<'s, 'a>, next: u64, z: f64) -> Self {
+        let (history, context) = (history(b), context(b));
+        Self { b, next, out: Vec::new(), z, history, context, made: Vec::new() }
+    }
+
+    /// What was written, and the next free number.
+    pub(super) fn into_parts(self) -> (Vec<u8>, u64) {
+        (self.out, self.next)
+    }
+}
+
 impl Writer<'_, '_, '_> {
-    fn add(&mut self, text: &str) -> u64 {
+    /// Adds an instance; its number.
+    pub(super) fn add(&mut self, text: &str) -> u64 {
         let id = self.next;
         self.next += 1;
         self.out.extend_from_slice(format!("#{id}={text};").as_bytes());
@@ -129,7 +143,7 @@ impl Writer<'_, '_, '_> {
     }
 
     /// A `GlobalId` that depends on nothing but the file and what it stands for.
-    fn global_id(&self, what: &str) -> String {
+    pub(super) fn global_id(&self, what: &str) -> String {
         let mut hash = Sha256::new();
         hash.update(what.as_bytes());
         hash.update(self.next.to_le_bytes());
@@ -149,7 +163,7 @@ impl Writer<'_, '_, '_> {
         self.add(&format!("IFCCARTESIANPOINT(({},{},{}))", real(p.x), real(p.y), real(z)))
     }
 
-    fn is_old(&self) -> bool {
+    pub(super) fn is_old(&self) -> bool {
         self.b.step.schema.starts_with("IFC2")
     }
 
@@ -345,7 +359,7 @@ fn lengthened(by: [f64; 2]) -> Vec<(&'static str, String)> {
     vec![("FirstEndShift", length(by[0])), ("SecondEndShift", length(by[1]))]
 }
 
-fn refs(ids: &[u64]) -> String {
+pub(super) fn refs(ids: &[u64]) -> String {
     let list: Vec<String> = ids.iter().map(|id| format!("#{id}")).collect();
     format!("({})", list.join(","))
 }

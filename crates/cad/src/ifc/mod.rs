@@ -36,6 +36,7 @@ mod step;
 mod structure;
 mod units;
 mod unseen;
+mod works;
 mod zip;
 
 use std::borrow::Cow;
@@ -329,12 +330,14 @@ pub fn patch(
     let building = Building::new(file, &step, options.unit);
     let mut mover = patch::Mover::new(&building, options, edits);
     let mut figures = Vec::new();
-    for edit in edits {
+    for edit in edits.iter().filter(|e| !e.is_work()) {
         figures.extend(mover.edit(edit)?.figures);
     }
     let rooms = mover.rooms();
     let next = mover.next_id();
     let (mut splices, mut added) = (mover.splices, mover.added);
+    let (works, next) = works::text(&building, options, next, edits)?;
+    added.extend(works);
     let end = line_end(bytes);
     let text = match own {
         [] => Vec::new(),

@@ -114,7 +114,11 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
                 let (products, figures) = (length::grows(self.b, id), length::figures(self.b, id));
                 return Ok(Moved { products, figures, ..Moved::default() });
             }
-            Edit::Shape { .. } | Edit::Points { .. } => {
+            Edit::Shape { .. }
+            | Edit::Points { .. }
+            | Edit::Cut { .. }
+            | Edit::Drop { .. }
+            | Edit::Build { .. } => {
                 return Err(self.fault(id, "an element of a building moves as a whole"));
             }
         };

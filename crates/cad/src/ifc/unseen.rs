@@ -252,7 +252,11 @@ fn ways(edits: &[Edit]) -> Ways {
         match edit {
             Edit::Insert { motion: by, .. } => *motion = *by,
             Edit::Ends { by, .. } => *ends = *by,
-            Edit::Shape { .. } | Edit::Points { .. } => {}
+            Edit::Shape { .. }
+            | Edit::Points { .. }
+            | Edit::Cut { .. }
+            | Edit::Drop { .. }
+            | Edit::Build { .. } => {}
         }
     }
     out
