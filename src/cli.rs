@@ -253,6 +253,9 @@ pub struct WorksArgs {
     /// Draw the plan with each wall in the colour of the best that an opening there would bring.
     #[arg(long, value_name = "OUT.png", value_parser = picture_file)]
     pub preview: Option<PathBuf>,
+    /// Make works of the list by their numbers, separated by commas, in a new drawing beside this one: plan-r02.dxf.
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', value_parser = whole::<usize>)]
+    pub make: Vec<usize>,
     /// How many works to list, each pair of rooms once.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<usize>)]
     pub most: usize,

@@ -1,11 +1,14 @@
 //! `enfilade works`: what one building work would bring.
 
+use super::beside::read_settings;
 use super::limits::Clock;
-use super::{exit_code, hand_json, open, say, settings_for, tell, write};
+use super::{absolute, exit_code, hand_json, open, say, settings_for, tell, write};
 use crate::cli::WorksArgs;
+use crate::store::{self, SystemDisk};
+use enfilade_config::{Partial, Settings, settings_files};
 use enfilade_overlay::works::{WorkEntry, WorksResult};
 use enfilade_pipeline::Input;
-use enfilade_report::{Cancel, Error};
+use enfilade_report::{Cancel, Error, Place};
 
 /// Forbidden works that are listed: what a rule costs.
 const FORBIDDEN_SHOWN: usize = 3;
@@ -14,6 +17,9 @@ pub(super) fn works(args: &WorksArgs, clock: &Clock, cancel: &Cancel) -> Result<
     let (path, bytes) = open(&args.file)?;
     let settings = settings_for(&args.file, args.common.partial(None))?.0;
     let input = Input::new(&path, &bytes, 1);
+    if !args.make.is_empty() {
+        return make(args, (&input, &settings), clock, cancel);
+    }
     let (outcome, _) = enfilade_pipeline::on_threads(&settings, || {
         enfilade_pipeline::works::works_of(&input, &settings, cancel)
     })?;
@@ -31,6 +37,45 @@ pub(super) fn works(args: &WorksArgs, clock: &Clock, cancel: &Cancel) -> Result<
     Ok(exit_code(&outcome.report))
 }
 
+/// Makes works of the list in a new drawing beside this one.
+fn make(
+    args: &WorksArgs,
+    (input, settings): (&Input<'_>, &Settings),
+    clock: &Clock,
+    cancel: &Cancel,
+) -> Result<u8, Error> {
+    let made = enfilade_pipeline::on_threads(settings, || {
+        enfilade_pipeline::works::make_works(input, settings, &args.make, cancel)
+    })?;
+    cancel.check()?;
+    clock.is_read();
+    let [own, _] = settings_files(&args.file);
+    let mut beside = read_settings(&own)?.unwrap_or_default();
+    let has_own = beside != Partial::default();
+    beside.works.extend(made.tables.iter().cloned());
+    let new = store::write_revision(&SystemDisk, &absolute(&args.file), &made.bytes)?;
+    let side_car = settings_files(&new.path)[0].clone();
+    let is_needed = has_own || !made.tables.is_empty();
+    if is_needed && (new.is_new || !side_car.exists()) {
+        let text = toml::to_string(&beside).map_err(|e| {
+            Error::environment("side-car", Place::file(side_car.to_string_lossy()), e.to_string())
+        })?;
+        store::replace_file(&SystemDisk, &side_car, text.as_bytes())?;
+    }
+    say(&format!("new drawing: {}", new.path.display()));
+    if is_needed {
+        say(&format!("its settings: {}", side_car.display()));
+    }
+    say(&format!("Read again: visibility {} (told: {}).", percent(made.gain), percent(made.told)));
+    tell(&args.common, &made.report);
+    Ok(exit_code(&made.report))
+}
+
+/// `+17.2 %`.
+fn percent(share: f64) -> String {
+    format!("{:+.1} %", 100.0 * share).replace('-', "−")
+}
+
 /// The ranked list in lines.
 fn tell_works(result: &WorksResult, most: usize) {
     let allowed = result.different(true, most);
@@ -39,14 +84,17 @@ fn tell_works(result: &WorksResult, most: usize) {
     if allowed.is_empty() {
         say("No allowed work brings 0.5 % or more.");
     }
-    for (i, work) in allowed.iter().enumerate() {
-        say(&format!("{:>2}. {}{}", i + 1, result.line(work), effort(work)));
+    for work in &allowed {
+        say(&format!("{:>3}. {}{}", work.id, result.line(work), effort(work)));
     }
     if !forbidden.is_empty() {
         say("Not offered:");
         forbidden.iter().for_each(|work| say(&format!("  – {}", result.line(work))));
     }
     say(&result.proof());
+    if let Some(first) = allowed.first() {
+        say(&format!("To have one drawn: enfilade works {} --make {}", result.input.path, first.id));
+    }
 }
 
 /// `; 1.8 m of wall goes, 0.9 m is built`.

@@ -1,5 +1,8 @@
 //! `enfilade works`: every building work measured, ranked, the best confirmed.
 
+mod edits;
+mod made;
+
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
@@ -11,7 +14,7 @@ use crate::measure::lattices;
 use crate::measure::look::LatticeAt;
 use crate::measure::seen::Use;
 use crate::measure::study::Study;
-use crate::understand::rooms::rooms_with_kinds;
+use crate::understand::rooms::{Room as KnownRoom, rooms_with_kinds};
 use crate::understand::sensed::Sensed;
 use crate::write::show;
 use enfilade_config::Settings;
@@ -34,7 +37,8 @@ use enfilade_report::{Cancel, Error, OutFile, Place, Report};
 use enfilade_works::counts::{Present, degrees, difference};
 use enfilade_works::rooms::rooms_of;
 use enfilade_works::walls::{Wall, walls};
-use enfilade_works::{Change, Room, Site, Work, WorkKind, works};
+use enfilade_works::{Change, Room, Site, Work, WorkKind, Works, works};
+pub use made::{MadeWorks, make_works};
 
 /// Works of which steps are counted too: by trees of all cells.
 const WITH_STEPS: usize = 24;
@@ -87,12 +91,47 @@ impl Listed {
     }
 }
 
+/// The works that are told of, and the walls that they name.
+struct Found {
+    walls: Vec<Wall>,
+    /// In the order of the list.
+    listed: Vec<Work>,
+}
+
+/// Finds the works of a study alone.
+fn find(job: Job<'_>, study: &Study, cancel: &Cancel) -> Result<Found, Error> {
+    let mut out = None;
+    with_site(job, study, cancel, &mut |site, found, _| {
+        let listed = listed(&found.works).into_iter().cloned().collect();
+        out = Some(Found { walls: site.walls.to_vec(), listed });
+        Ok(())
+    })?;
+    out.ok_or(Error::Stopped)
+}
+
 /// The works of a study, with their picture.
 ///
 /// # Errors
 /// [`Error::Stopped`]; where the picture cannot be drawn.
 pub(crate) fn of_study(job: Job<'_>, study: &Study, cancel: &Cancel) -> Result<Listed, Error> {
-    let Job { input, settings } = job;
+    let mut out = None;
+    with_site(job, study, cancel, &mut |site, found, known| {
+        out = Some(told(job, study, (site, found, known), cancel)?);
+        Ok(())
+    })?;
+    out.ok_or(Error::Stopped)
+}
+
+type Sited<'a> = (&'a Site<'a>, &'a Works, &'a (Sensed, Vec<KnownRoom>));
+
+/// Measures all works, and hands them on with what they were looked for in.
+fn with_site(
+    job: Job<'_>,
+    study: &Study,
+    cancel: &Cancel,
+    then: &mut dyn FnMut(&Site<'_>, &Works, &(Sensed, Vec<KnownRoom>)) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let Job { settings, .. } = job;
     let base = &study.base;
     let sensed = Sensed::new(base, settings);
     let known = rooms_with_kinds(base, &sensed, settings)?;
@@ -118,8 +157,19 @@ pub(crate) fn of_study(job: Job<'_>, study: &Study, cancel: &Cancel) -> Result<L
     let is_stopped = || cancel.check().is_err();
     let found = works(&site, &is_stopped);
     cancel.check()?;
+    then(&site, &found, &(sensed, known))
+}
+
+/// The list of what was found, and its picture.
+fn told(
+    Job { input, settings }: Job<'_>,
+    study: &Study,
+    (site, found, (sensed, known)): Sited<'_>,
+    cancel: &Cancel,
+) -> Result<Listed, Error> {
+    let (base, rooms) = (&study.base, site.present.rooms);
     let listed = listed(&found.works);
-    let entries = entries(study, settings, &site, &listed);
+    let entries = entries(study, settings, site, &listed);
     cancel.check()?;
     let single =
         entries.iter().find(|e| e.is_allowed && e.gain.get(VISIBILITY).is_some_and(|g| g.share > 0.0));
@@ -129,19 +179,19 @@ pub(crate) fn of_study(job: Job<'_>, study: &Study, cancel: &Cancel) -> Result<L
         input: show::input(&base.plan, input),
         spacing_m: study.spacing_m,
         cells: study.lattice.cells.len(),
-        rooms: room_entries(&rooms),
+        rooms: room_entries(rooms),
         best: BestEntry { single: single.map(|e| e.id), tried: found.tried, legal: found.legal },
         works: entries,
     };
-    let shown = show::check_picture(base, &sensed, &known);
-    let walls = coloured(&site, &found.works);
+    let shown = show::check_picture(base, sensed, known);
+    let walls = coloured(site, &found.works);
     let title = ("What an opening would bring", input.file());
     let picture = works_png(&shown, &walls, title, DEFAULT_SIDE_PX)?;
     Ok(Listed { result, picture, walls })
 }
 
 /// A room with what it is for.
-fn room(r: &crate::understand::rooms::Room) -> Room {
+fn room(r: &KnownRoom) -> Room {
     Room {
         area: r.area.clone(),
         name: r.name.clone().unwrap_or_default(),

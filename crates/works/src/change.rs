@@ -50,7 +50,7 @@ fn outside(s: Segment, quad: &Quad) -> impl Iterator<Item = Segment> {
 }
 
 /// The part of a segment inside a convex quadrilateral as shares of its length, if it has any length there.
-fn inside(s: Segment, quad: &Quad) -> Option<[f64; 2]> {
+pub fn inside(s: Segment, quad: &Quad) -> Option<[f64; 2]> {
     let point = |p: PointUm| [p[0] as f64, p[1] as f64];
     let (a, b) = (point(s.a), point(s.b));
     let turn: f64 = (0..4).map(|i| cross(point(quad[i]), point(quad[(i + 1) % 4]))).sum();

@@ -18,7 +18,7 @@ pub const PIER_M: f64 = 0.3;
 /// How far from a face the room beside it is looked for: farther than a skirting, nearer than the next wall.
 const BESIDE_M: f64 = 0.25;
 /// How far a stretch reaches beyond the faces, so that lines drawn on them go with it: plaster and slips of the hand.
-const COVER_M: f64 = 0.02;
+pub const COVER_M: f64 = 0.02;
 
 /// A wall, by its place in the list of walls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
