@@ -8,6 +8,7 @@ mod gltf;
 mod habits;
 mod ifc;
 mod ifc_marks;
+mod made;
 mod plan_hazards;
 mod reference;
 mod sheets;
