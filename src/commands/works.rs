@@ -57,7 +57,11 @@ fn make(
     let side_car = settings_files(&new.path)[0].clone();
     let is_needed = has_own || !made.tables.is_empty();
     if is_needed && (new.is_new || !side_car.exists()) {
-        let text = toml::to_string(&beside).map_err(|e| {
+        let text = toml::Table::try_from(&beside).and_then(|mut said| {
+            said.retain(|_, value| value.as_array().is_none_or(|list| !list.is_empty()));
+            toml::to_string(&said)
+        });
+        let text = text.map_err(|e| {
             Error::environment("side-car", Place::file(side_car.to_string_lossy()), e.to_string())
         })?;
         store::replace_file(&SystemDisk, &side_car, text.as_bytes())?;

@@ -1,6 +1,7 @@
 //! `enfilade works`: every building work measured, ranked, the best confirmed.
 
 mod edits;
+mod fitted;
 mod made;
 
 use std::collections::BTreeMap;

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
+use super::fitted;
 use crate::understand::understood::Understood;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Addition, Drawing, Edit, Editable, Format, Mark, Shape, Vertex};
@@ -43,20 +44,26 @@ pub(super) fn written(base: &Understood, drawing: &Drawing, walls: &[Wall], work
         Format::Ifc => in_building(base, walls, work),
         Format::Gltf | Format::Glb => Err("openings are not cut into meshes".into()),
     };
-    made.unwrap_or_else(|why| Written {
-        tables: decided(&base.plan, walls, work),
-        why: Some(why),
-        ..Written::default()
-    })
+    made.unwrap_or_else(|why| beside(&base.plan, walls, work, why))
+}
+
+/// A work as the side-car decides it, and why it does.
+pub(super) fn beside(plan: &Plan, walls: &[Wall], work: &Work, why: String) -> Written {
+    Written { tables: decided(plan, walls, work), why: Some(why), ..Written::default() }
 }
 
 /// Lines end at the jambs, the rest and the jambs are new, what goes as a whole changes its layer.
 fn in_drawing(base: &Understood, drawing: &Drawing, walls: &[Wall], work: &Work) -> Result<Written, String> {
     let plan = &base.plan;
-    if matches!(work.kind, WorkKind::Glaze) {
-        return Err("panes are not drawn".into());
-    }
     let mut out = Written::default();
+    match work.kind {
+        WorkKind::Glaze => {
+            let panes = fitted::panes(base, drawing, walls, work);
+            out.edits.push(panes.ok_or("the drawing shows no window whose like could be drawn")?);
+        }
+        WorkKind::Door | WorkKind::Rehang => out.edits.extend(fitted::leaf(base, drawing, walls, work)),
+        _ => {}
+    }
     let mut jambs: Vec<Segment> = work.change.built.clone();
     let mut like = None;
     for wall in plan.walls.iter().filter(|w| meets(w, &work.change.demolished)) {
@@ -77,7 +84,7 @@ fn in_drawing(base: &Understood, drawing: &Drawing, walls: &[Wall], work: &Work)
         });
     }
     for record in doors(base, drawing, work)? {
-        if out.edits.iter().all(|e| e.record() != record) {
+        if out.edits.iter().all(|e| e.record() != record || matches!(e, Edit::Build { .. })) {
             out.edits.push(Edit::Drop { record });
         }
     }
@@ -85,13 +92,7 @@ fn in_drawing(base: &Understood, drawing: &Drawing, walls: &[Wall], work: &Work)
     if let Some(record) = like.or_else(own).filter(|_| !jambs.is_empty()) {
         let at = |p: PointUm| plan.frame.file_from_um(p);
         let shapes: Vec<Shape> = jambs.iter().map(|s| Shape::Line { a: at(s.a), b: at(s.b) }).collect();
-        match out.edits.iter_mut().find(|e| e.record() == record) {
-            // One edit a record: new lines of the same looks stand behind what stays.
-            Some(Edit::Cut { parts, .. }) if parts.iter().all(|p| matches!(p, Shape::Line { .. })) => {
-                parts.extend(shapes);
-            }
-            _ => out.edits.push(Edit::Build { record, shapes }),
-        }
+        out.edits.push(Edit::Build { record, shapes });
     }
     out.additions = work.change.demolished.iter().map(|q| demolished(plan, q)).collect();
     Ok(out)

@@ -45,7 +45,7 @@ fn as_told(file: &str, in_the_file: &[&str]) {
 
 #[test]
 fn works_are_cut_into_a_drawing() {
-    as_told("flat.dxf", &["open", "door", "widen", "remove", "close", "rehang"]);
+    as_told("flat.dxf", &["open", "door", "widen", "remove", "close", "rehang", "glaze"]);
 }
 
 #[test]
