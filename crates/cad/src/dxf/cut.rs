@@ -15,13 +15,21 @@ use enfilade_report::Error;
 /// Groups that say how an entity looks, in the order in which they are written: paper space, layer, line type, colour, line
 /// weight, scale of the line type, true colour, colour book, transparency.
 const LOOK: [i32; 9] = [67, 8, 6, 62, 370, 48, 420, 430, 440];
-/// Groups of an LWPOLYLINE's vertices: place, widths, bulge, number.
-const OF_VERTEX: [i32; 6] = [10, 20, 40, 41, 42, 91];
+/// Groups of an LWPOLYLINE's vertices: place, widths, bulge, number; some programs write a height too.
+const OF_VERTEX: [i32; 7] = [10, 20, 30, 40, 41, 42, 91];
 
 impl Editor<'_, '_> {
     /// What stays of the entity: the first part in its own record, the others in new ones behind it. Nothing: it goes to
     /// the layer of what is demolished.
-    pub(super) fn cut(&mut self, parts: &[Shape], writer: &mut Writer<'_, '_>) -> Result<(), Error> {
+    pub(super) fn cut(
+        &mut self,
+        gone: &[DVec2; 4],
+        parts: &[Shape],
+        writer: &mut Writer<'_, '_>,
+    ) -> Result<(), Error> {
+        if matches!(self.tokens.name(self.record), b"HATCH" | b"SOLID" | b"TRACE") {
+            return self.refill(gone, writer);
+        }
         let Some((first, others)) = parts.split_first() else { return self.drop() };
         let fields = Fields::of(self.tokens, self.record);
         if [210, 220, 230].iter().any(|c| fields.index(*c).is_some()) && self.is_mirrored(&fields)? {
@@ -83,7 +91,7 @@ impl Editor<'_, '_> {
     }
 
     /// One past the last byte of the entity with all its records.
-    fn end(&self) -> usize {
+    pub(super) fn end(&self) -> usize {
         let next = match self.tokens.name(self.record) {
             b"POLYLINE" => polyline_records(self.tokens, self.record).1,
             b"INSERT" => {
@@ -114,9 +122,13 @@ impl Editor<'_, '_> {
         }
         let slots = lwpolyline_vertices(self.tokens, self.record).len();
         let width = self.width_of_vertices(slots)?;
+        let height = own.iter().find(|p| p.1 == 30).map(|p| self.tokens.raw(&self.tokens.pairs[p.0]));
         for v in vertices {
             writer.float(10, v.at.x);
             writer.float(20, v.at.y);
+            if let Some(height) = height {
+                writer.raw(30, height);
+            }
             if let Some(width) = width {
                 writer.float(40, width);
                 writer.float(41, width);
@@ -190,7 +202,7 @@ impl Editor<'_, '_> {
     }
 
     /// The beginning of an entity like this one.
-    fn begin(&self, kind: &str, record: usize, writer: &mut Writer<'_, '_>) {
+    pub(super) fn begin(&self, kind: &str, record: usize, writer: &mut Writer<'_, '_>) {
         let tokens: &Tokens<'_> = self.tokens;
         writer.text(0, kind);
         if handle_of(tokens, record).is_some() {
@@ -212,7 +224,7 @@ impl Editor<'_, '_> {
     }
 
     /// Subclass markers stand where the pattern has them.
-    fn subclass(&self, record: usize, name: &str, writer: &mut Writer<'_, '_>) {
+    pub(super) fn subclass(&self, record: usize, name: &str, writer: &mut Writer<'_, '_>) {
         if own_pairs(self.tokens, record).any(|(_, p)| p.code == 100) {
             writer.text(100, name);
         }

@@ -30,6 +30,7 @@ mod patch;
 mod poche;
 mod read;
 mod reader;
+mod refill;
 mod sheet;
 mod strip;
 mod text;
@@ -42,6 +43,7 @@ pub use links::{Tied, host_ids, tied};
 pub use patch::{ChangedRecord, changed_records, patch};
 pub use poche::Following;
 pub use read::read;
+pub use refill::{Probe, fills_at};
 pub use strip::strip_own;
 
 pub(super) use header::release_of;

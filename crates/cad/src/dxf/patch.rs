@@ -122,7 +122,7 @@ fn edit_splices<'t, 'a>(
                         return Err(editor.fault("nothing can be drawn here"));
                     };
                     match edit {
-                        Edit::Cut { parts, .. } => editor.cut(parts, writer)?,
+                        Edit::Cut { gone, parts, .. } => editor.cut(gone, parts, writer)?,
                         Edit::Build { shapes, .. } => editor.build(shapes, writer)?,
                         _ => {}
                     }
@@ -407,7 +407,7 @@ impl Editor<'_, '_> {
     }
 
     /// Writes the points of a filled area.
-    fn points(&mut self, points: &[DVec2]) -> Result<(), Error> {
+    pub(super) fn points(&mut self, points: &[DVec2]) -> Result<(), Error> {
         let slots = points_of(self.tokens, self.record).unwrap_or_default();
         if slots.is_empty() || slots.len() != points.len() {
             return Err(self.fault("it is no filled area of so many points"));

@@ -12,14 +12,14 @@ use glam::DVec2;
 use proptest::prelude::*;
 
 /// Pairs as ASCII lines: code, value.
-type Pairs = Vec<(i32, String)>;
+pub(crate) type Pairs = Vec<(i32, String)>;
 
-fn pairs(text: &str) -> Pairs {
+pub(crate) fn pairs(text: &str) -> Pairs {
     let lines: Vec<&str> = text.split('|').collect();
     lines.chunks(2).map(|pair| (pair[0].parse().unwrap(), pair[1].to_owned())).collect()
 }
 
-fn ascii(pairs: &Pairs, line_end: &str) -> Vec<u8> {
+pub(crate) fn ascii(pairs: &Pairs, line_end: &str) -> Vec<u8> {
     pairs
         .iter()
         .map(|(code, value)| format!("{code:>3}{line_end}{value}{line_end}"))
@@ -86,7 +86,7 @@ fn rigid() -> impl Strategy<Value = RigidMotion> {
 }
 
 /// The drawings every writing test goes through.
-fn variants() -> Vec<(String, Vec<u8>)> {
+pub(crate) fn variants() -> Vec<(String, Vec<u8>)> {
     let mut out = Vec::new();
     for version in ["AC1006", "AC1009", "AC1012", "AC1014", "AC1015", "AC1018", "AC1021", "AC1032"] {
         for (has_handles, has_layers) in [(true, true), (true, false), (false, true), (false, false)] {

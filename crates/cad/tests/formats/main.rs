@@ -8,4 +8,5 @@ mod dxf_blocks;
 mod dxf_corpus;
 mod dxf_hazards;
 mod dxf_patch;
+mod dxf_works;
 mod support;

@@ -9,6 +9,7 @@ use super::fitted;
 use crate::understand::understood::Understood;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Addition, Drawing, Edit, Editable, Format, Mark, Shape, Vertex};
+use enfilade_cad::dxf::{Probe, fills_at};
 use enfilade_cad::own_layers::DEMOLISHED;
 use enfilade_config::WorkTable;
 use enfilade_engine::geometry::{PointUm, Segment};
@@ -38,9 +39,14 @@ pub(super) struct Written {
 }
 
 /// How a work is written into its drawing: by edits where the drawing can hold it, else as a decided work of the side-car.
-pub(super) fn written(base: &Understood, drawing: &Drawing, walls: &[Wall], work: &Work) -> Written {
+pub(super) fn written(
+    base: &Understood,
+    (drawing, bytes): (&Drawing, &[u8]),
+    walls: &[Wall],
+    work: &Work,
+) -> Written {
     let made = match base.plan.format {
-        Format::Dxf => in_drawing(base, drawing, walls, work),
+        Format::Dxf => in_drawing(base, (drawing, bytes), walls, work),
         Format::Ifc => in_building(base, walls, work),
         Format::Gltf | Format::Glb => Err("openings are not cut into meshes".into()),
     };
@@ -53,7 +59,12 @@ pub(super) fn beside(plan: &Plan, walls: &[Wall], work: &Work, why: String) -> W
 }
 
 /// Lines end at the jambs, the rest and the jambs are new, what goes as a whole changes its layer.
-fn in_drawing(base: &Understood, drawing: &Drawing, walls: &[Wall], work: &Work) -> Result<Written, String> {
+fn in_drawing(
+    base: &Understood,
+    (drawing, bytes): (&Drawing, &[u8]),
+    walls: &[Wall],
+    work: &Work,
+) -> Result<Written, String> {
     let plan = &base.plan;
     let mut out = Written::default();
     match work.kind {
@@ -93,6 +104,12 @@ fn in_drawing(base: &Understood, drawing: &Drawing, walls: &[Wall], work: &Work)
         let at = |p: PointUm| plan.frame.file_from_um(p);
         let shapes: Vec<Shape> = jambs.iter().map(|s| Shape::Line { a: at(s.a), b: at(s.b) }).collect();
         out.edits.push(Edit::Build { record, shapes });
+    }
+    for record in fills(base, bytes, work) {
+        let gone = work.change.demolished[0].map(|p| plan.frame.file_from_um(p));
+        if out.edits.iter().all(|e| e.record() != record) {
+            out.edits.push(Edit::Cut { record, gone, parts: Vec::new() });
+        }
     }
     out.additions = work.change.demolished.iter().map(|q| demolished(plan, q)).collect();
     Ok(out)
@@ -271,6 +288,30 @@ fn demolished(plan: &Plan, quad: &Quad) -> Addition {
     let points = vec![a + across, b + across, c - across, d - across];
     let mark = Mark::Path { points, closed: true };
     Addition { layer: DEMOLISHED.into(), rgb: DEMOLISHED_RGB, mark }
+}
+
+/// How far beside its faces it is looked whether a wall alone is filled, metres of a person.
+const BESIDE_M: f64 = 0.15;
+
+/// Records of what fills the wall where it goes; what cannot be cut stays as it is.
+fn fills(base: &Understood, bytes: &[u8], work: &Work) -> Vec<usize> {
+    let plan = &base.plan;
+    let probe = |q: &Quad| {
+        let [a, b, c, d] = q.map(|p| plan.frame.plan_from_um(p));
+        let (right, left) = ((a + b) / 2.0, (c + d) / 2.0);
+        let out = (left - right).normalize_or_zero() * (BESIDE_M * plan.human_scale);
+        let [inside, right, left] =
+            [(right + left) / 2.0, right - out, left + out].map(|p| plan.frame.file_from_plan(p));
+        Probe { inside, beside: [right, left] }
+    };
+    let probes: Vec<Probe> = work.change.demolished.iter().map(probe).collect();
+    let mut found = fills_at(&plan.file, bytes, &probes).unwrap_or_default();
+    let gone = work.change.demolished.first().map(|q| q.map(|p| plan.frame.file_from_um(p)));
+    found.retain(|record| {
+        let edit = gone.map(|gone| Edit::Cut { record: *record, gone, parts: Vec::new() });
+        edit.is_some_and(|e| enfilade_cad::dxf::patch(&plan.file, bytes, &[e], &[]).is_ok())
+    });
+    found
 }
 
 /// The work as tables of the side-car.

@@ -52,7 +52,7 @@ pub fn make_works(
             let text = format!("--make {id}: the list has works 1 to {}; nothing was written", listed.len());
             Error::usage("work", Place::default(), text)
         })?;
-        let mut one = written(&study.base, &drawing, &walls, work);
+        let mut one = written(&study.base, (&drawing, &input.bytes), &walls, work);
         if let Err(e) = enfilade_cad::patch(input.file(), &input.bytes, &options, &one.edits, &[]) {
             one = beside(&study.base.plan, &walls, work, e.to_string());
         }
