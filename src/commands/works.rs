@@ -97,7 +97,7 @@ fn tell_works(result: &WorksResult, most: usize) {
     }
     say(&result.proof());
     if let Some(first) = allowed.first() {
-        say(&format!("To have one drawn: enfilade works {} --make {}", result.input.path, first.id));
+        say(&format!("To have one drawn: {}", result.making(&first.id.to_string())));
     }
 }
 

@@ -19,7 +19,6 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::heart::words::reading_too_long;
 use super::turns::SHORT;
 use super::{Asked, JobEvent, JobOutput, JobRequest, OutFile, RunJob, Share};
 use crate::worked::Work;
@@ -419,6 +418,19 @@ pub fn serve(
     };
     let outcome = prepare(head.options).and_then(|job| job(&request, &mut tell, &cancel));
     answer(&outcome.map_err(|e| reading.reason(drawing, e)))
+}
+
+/// A drawing that takes more work to be read than it may.
+pub(super) fn reading_too_long(drawing: &Path, limit_secs: f64) -> Error {
+    let text = format!(
+        "reading the drawing took longer than the limit of {limit_secs} s of work (read-limit-secs), and the job was \
+         stopped: draw less on the layers of walls, or raise the limit"
+    );
+    Error::input(
+        "reading-too-long",
+        Place::file(drawing.file_name().unwrap_or_default().to_string_lossy()),
+        text,
+    )
 }
 
 /// Whether a drawing is understood within its limit of work.

@@ -17,7 +17,7 @@ mod renewal;
 mod room;
 mod running;
 mod state;
-pub(super) mod words;
+mod words;
 
 use running::Running;
 use state::{State, is_waited_for};

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use tokio_stream::StreamExt as _;
 use tokio_stream::wrappers::{BroadcastStream, ReceiverStream};
 
-use super::open::Shared;
+use super::shared::Shared;
 use super::{Taken, files};
 use crate::daemon::{Asked, Order};
 use crate::store::{SO_FAR, round_name};

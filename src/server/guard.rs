@@ -14,10 +14,10 @@ use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::middleware::Next;
 use axum::response::Response;
 
+use super::assets::ASSETS;
 use super::connections::{BODY_TIME_MAX, Known};
 use super::door::NAME_DIGITS;
 use super::login::{is_nonce, proof, signature};
-use super::open::{ASSETS, Shared};
 use super::{BODY_BYTES_MAX, HELLO};
 
 /// Header of every request that changes something.
@@ -178,8 +178,7 @@ fn is_equal(a: &str, b: &str) -> bool {
 }
 
 /// Judges, and puts the headers on every answer that keep foreign text from becoming code.
-pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
-    let access = &shared.access;
+pub(super) async fn check(State(access): State<Arc<Access>>, request: Request, next: Next) -> Response {
     let mut response = match access.judge(request.method(), request.uri(), request.headers()) {
         Verdict::Pass => {
             request.extensions().get::<Known>().iter().for_each(|known| known.set());

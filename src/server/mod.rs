@@ -6,6 +6,8 @@
 #[cfg(feature = "page")]
 mod api;
 #[cfg(feature = "page")]
+mod assets;
+#[cfg(feature = "page")]
 mod board;
 #[cfg(not(feature = "page"))]
 mod closed;
@@ -20,6 +22,8 @@ mod guard;
 mod login;
 #[cfg(feature = "page")]
 mod open;
+#[cfg(feature = "page")]
+mod shared;
 
 use std::path::{Path, PathBuf};
 

@@ -12,7 +12,9 @@ use axum::middleware;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 
+use super::assets::ASSETS;
 use super::guard::{self, Access};
+use super::shared::Shared;
 use super::{Accept, BODY_BYTES_MAX, Board, Door, HELLO, Login, api, connections, secret};
 use crate::daemon::{Notice, Order};
 use enfilade_report::{Error, Place};
@@ -22,14 +24,6 @@ pub struct Page {
     shared: Arc<Shared>,
     address: SocketAddr,
     login: Login,
-}
-
-/// What the threads of daemon and page share.
-pub(super) struct Shared {
-    pub(super) board: Board,
-    pub(super) access: Access,
-    pub(super) orders: mpsc::Sender<Order>,
-    pub(super) accept: Box<Accept>,
 }
 
 impl Page {
@@ -56,7 +50,7 @@ impl Page {
         }
         let login = login.filter(|login| login.port == address.port());
         let login = login.map_or_else(|| Login::new(address.port()), Ok)?;
-        let access = Access::new(address.port(), secret()?, login.key.clone(), secret()?);
+        let access = Arc::new(Access::new(address.port(), secret()?, login.key.clone(), secret()?));
         let shared = Arc::new(Shared { board: Board::default(), access, orders, accept });
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_all()
@@ -148,22 +142,9 @@ fn router(shared: Arc<Shared>) -> Router {
         .fallback(api::unknown_address)
         .method_not_allowed_fallback(api::unknown_method)
         .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
-        .layer(middleware::from_fn_with_state(shared.clone(), guard::check))
+        .layer(middleware::from_fn_with_state(shared.access.clone(), guard::check))
         .with_state(shared)
 }
-
-/// What everybody on this machine may read: it holds nothing of the daemon's. Address, media type and text.
-pub(super) const ASSETS: [(&str, &str, &str); 7] = [
-    ("/", HTML, include_str!("page/index.html")),
-    ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
-    ("/page.js", SCRIPT, include_str!("page/page.js")),
-    ("/login.js", SCRIPT, include_str!("page/login.js")),
-    ("/news.js", SCRIPT, include_str!("page/news.js")),
-    ("/options.js", SCRIPT, include_str!("page/options.js")),
-    ("/plots.js", SCRIPT, include_str!("page/plots.js")),
-];
-const HTML: &str = "text/html; charset=utf-8";
-const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 async fn asset(kind: &'static str, text: &'static str) -> Response {
     (StatusCode::OK, [(header::CONTENT_TYPE, kind)], text).into_response()

@@ -129,6 +129,13 @@ pub const VISIBILITY: &str = "visibility";
 pub const STEPS: &str = "steps";
 
 impl WorksResult {
+    /// The command that draws a work of the list.
+    pub fn making(&self, number: &str) -> String {
+        let file = self.input.path.rsplit(['/', '\\']).next().unwrap_or_default();
+        let quote = if file.contains(char::is_whitespace) { "\"" } else { "" };
+        format!("enfilade works {quote}{file}{quote} --make {number}")
+    }
+
     /// What a room is called in a sentence: its name, else its kind, else its number.
     pub fn room_words(&self, id: Option<usize>) -> String {
         let Some(room) = id.and_then(|id| self.rooms.iter().find(|r| r.id == id)) else {

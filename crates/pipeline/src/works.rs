@@ -123,15 +123,14 @@ pub(crate) fn of_study(job: Job<'_>, study: &Study, cancel: &Cancel) -> Result<L
     out.ok_or(Error::Stopped)
 }
 
-type Sited<'a> = (&'a Site<'a>, &'a Works, &'a (Sensed, Vec<KnownRoom>));
+/// The floor with its rooms as they are shown.
+type Floor = (Sensed, Vec<KnownRoom>);
+/// Works, what they were looked for in, and the floor.
+type Sited<'a> = (&'a Site<'a>, &'a Works, &'a Floor);
+type Then<'a> = dyn FnMut(&Site<'_>, &Works, &Floor) -> Result<(), Error> + 'a;
 
 /// Measures all works, and hands them on with what they were looked for in.
-fn with_site(
-    job: Job<'_>,
-    study: &Study,
-    cancel: &Cancel,
-    then: &mut dyn FnMut(&Site<'_>, &Works, &(Sensed, Vec<KnownRoom>)) -> Result<(), Error>,
-) -> Result<(), Error> {
+fn with_site(job: Job<'_>, study: &Study, cancel: &Cancel, then: &mut Then<'_>) -> Result<(), Error> {
     let Job { settings, .. } = job;
     let base = &study.base;
     let sensed = Sensed::new(base, settings);
@@ -205,7 +204,9 @@ fn room(r: &KnownRoom) -> Room {
 pub(crate) fn say_best(result: &WorksResult, file: &str, report: &mut Report) {
     let place = || Place::file(file);
     for work in result.different(true, SAID) {
-        report.info("work-allowed", place(), format!("{}.", result.line(work)));
+        let text =
+            format!("{}; to have it drawn: {}", result.line(work), result.making(&work.id.to_string()));
+        report.info("work-allowed", place(), text);
     }
     for work in result.different(false, SAID_FORBIDDEN) {
         report.info("work-forbidden", place(), format!("{}.", result.line(work)));

@@ -1,10 +1,10 @@
 //! The jobs that run: which begin, how each ends, and what the user hears of it.
 
-use super::super::child::{JOB_KILLED, OUT_OF_MEMORY};
+use super::super::child::{JOB_KILLED, OUT_OF_MEMORY, reading_too_long};
 use super::super::hands::{Outcome, Task, start_job};
 use super::super::turns::{self, Busy, Room, Wish};
 use super::super::{Done, Share};
-use super::words::{hung, killed_too_often, reading_too_long, retry_pause, told_to_end, too_long};
+use super::words::{hung, killed_too_often, retry_pause, told_to_end, too_long};
 use super::*;
 use crate::store::round_name;
 use crate::worked::WAITS_MAX;

@@ -37,14 +37,6 @@ pub(super) fn too_long(drawing: &Path, limit_secs: f64, has_best: bool) -> Error
     Error::input("job-too-long", shown(drawing), text)
 }
 
-pub(in crate::daemon) fn reading_too_long(drawing: &Path, limit_secs: f64) -> Error {
-    let text = format!(
-        "reading the drawing took longer than the limit of {limit_secs} s of work (read-limit-secs), and the job was \
-         stopped: draw less on the layers of walls, or raise the limit"
-    );
-    Error::input("reading-too-long", shown(drawing), text)
-}
-
 pub(super) fn hung(drawing: &Path) -> Error {
     let text = "the job did not stop when asked to and was left behind; the next drawing is taken up";
     Error::input("job-hung", shown(drawing), text)

@@ -14,6 +14,8 @@ pub(super) fn works(html: &mut Html, input: &Fitted<'_>) {
     let [allowed, forbidden] = [true, false].map(|is| works.different(is, SHOWN[usize::from(!is)]));
     if !allowed.is_empty() {
         list(html, works, &allowed, "ol");
+        let how = format!("To have one drawn: `{}`.", works.making("NUMBER"));
+        html.raw("<p>").words(&how).raw("</p>\n");
     }
     if !forbidden.is_empty() {
         html.raw("<h3>Not offered</h3>\n");
@@ -28,7 +30,10 @@ pub(super) fn works(html: &mut Html, input: &Fitted<'_>) {
 fn list(html: &mut Html, works: &WorksResult, of: &[&WorkEntry], tag: &'static str) {
     html.raw("<").raw(tag).raw(">\n");
     for work in of {
-        html.raw("<li>").words(&format!("{}.", works.line(work))).raw("</li>\n");
+        // By the number under which it is made, which is that of the whole list.
+        let id = work.id.to_string();
+        html.open("li", &[("value", id.as_str())][..usize::from(tag == "ol")]);
+        html.words(&format!("{}.", works.line(work))).close("li");
     }
     html.raw("</").raw(tag).raw(">\n");
 }
