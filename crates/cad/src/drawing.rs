@@ -421,6 +421,20 @@ pub struct RigidMotion {
     pub shift: DVec2,
 }
 
+/// What stands in an opening.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filling {
+    /// Nothing; above it the wall goes on, as over a door.
+    #[default]
+    Nothing,
+    /// Nothing from the floor to the top: the wall ends there.
+    Gone,
+    /// A leaf.
+    Door,
+    /// A pane.
+    Glass,
+}
+
 /// A change of one drawn entity, in drawing units; only values that differ from the file are spliced.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Edit {
@@ -462,6 +476,8 @@ pub enum Edit {
         /// What stays of a drawn line, in its order: the first part keeps the record, new ones behind it are alike.
         /// Nothing: it goes as a whole.
         parts: Vec<Shape>,
+        /// What stands in the opening afterwards, where the file has a name for it.
+        filling: Filling,
     },
     /// The entity at `record` is demolished: it goes to [`own_layers::DEMOLISHED`](super::own_layers::DEMOLISHED).
     Drop {

@@ -169,9 +169,10 @@ fn definition_edits<'e>(
                     motion.ok_or_else(|| editor.fault("what shows it stretches it: it does not turn"))?;
                 Edit::Insert { record, motion }
             }
-            Edit::Cut { gone, parts, .. } => {
+            Edit::Cut { gone, parts, filling, .. } => {
+                let filling = *filling;
                 let parts = back(parts).ok_or_else(|| editor.fault("what shows it stretches it"))?;
-                Edit::Cut { record, gone: *gone, parts }
+                Edit::Cut { record, gone: *gone, parts, filling }
             }
             Edit::Build { shapes, .. } => {
                 let shapes = back(shapes).ok_or_else(|| editor.fault("what shows it stretches it"))?;

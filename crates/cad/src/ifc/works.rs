@@ -6,12 +6,17 @@ use super::ReadOptions;
 use super::additions::{Writer, refs};
 use super::building::Building;
 use super::number::real;
-use crate::drawing::Edit;
+use super::standing::reach;
+use crate::drawing::{Edit, Filling, Shape};
 use crate::step_text::encode;
 use enfilade_report::{Error, Place, Report};
 
 /// Height of an opening above the floor, metres: that of a door (DIN 18100: 2.125 and less).
 const OPENING_HEIGHT_M: f64 = 2.1;
+/// Thickness of a leaf or a pane, metres.
+const LEAF_M: f64 = 0.04;
+/// Height of a new wall where none is known beside it, metres: that of a room.
+const WALL_HEIGHT_M: f64 = 2.5;
 /// How far below the floor of the storey it begins, metres: walls stand on the slab, floors on a screed.
 const BELOW_FLOOR_M: f64 = 0.1;
 
@@ -41,38 +46,66 @@ pub(super) fn text(
             return Err(fault("found no such element, expected a wall"));
         }
         match edit {
-            Edit::Cut { gone, .. } => writer.opening(id, gone),
+            Edit::Cut { gone, filling, .. } => {
+                let opening = writer.opening(id, gone, *filling);
+                writer.filled(opening, gone, *filling, storey.map(|s| s.id));
+            }
             Edit::Drop { .. } => writer.demolished(id),
-            Edit::Build { .. } => return Err(fault("new walls are not written in a building")),
+            Edit::Build { shapes, .. } => {
+                let rings: Option<Vec<Vec<DVec2>>> = shapes.iter().map(ring).collect();
+                let rings = rings.ok_or_else(|| fault("a new wall has no body"))?;
+                rings.iter().for_each(|ring| writer.wall(id, ring, storey.map(|s| s.id)));
+            }
             _ => {}
         }
     }
     Ok(writer.into_parts())
 }
 
+/// The corners of a body as it stands on the floor.
+fn ring(shape: &Shape) -> Option<Vec<DVec2>> {
+    match shape {
+        Shape::Polyline { vertices, closed: true } if vertices.len() > 2 => {
+            Some(vertices.iter().map(|v| v.at).collect())
+        }
+        _ => None,
+    }
+}
+
 impl Writer<'_, '_, '_> {
-    /// An opening through a wall.
-    fn opening(&mut self, wall: u64, gone: &[DVec2; 4]) {
-        let metres = self.b.geo.metres;
-        let (z, height) = (self.z - BELOW_FLOOR_M / metres, (OPENING_HEIGHT_M + BELOW_FLOOR_M) / metres);
+    /// An upright body over a ring: its placement and its shape.
+    fn body(&mut self, ring: &[DVec2], [z, top]: [f64; 2]) -> [u64; 2] {
         let flat = |p: DVec2| format!("IFCCARTESIANPOINT(({},{}))", real(p.x), real(p.y));
         // Coordinates about the first corner: those of a map have too many digits for some programs.
-        let zero = gone[0];
-        let mut ring: Vec<u64> = gone.iter().map(|p| self.add(&flat(*p - zero))).collect();
-        ring.push(ring[0]);
-        let line = self.add(&format!("IFCPOLYLINE({})", refs(&ring)));
+        let zero = ring[0];
+        let mut corners: Vec<u64> = ring.iter().map(|p| self.add(&flat(*p - zero))).collect();
+        corners.push(corners[0]);
+        let line = self.add(&format!("IFCPOLYLINE({})", refs(&corners)));
         let profile = self.add(&format!("IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#{line})"));
         let origin = self.add("IFCCARTESIANPOINT((0.,0.,0.))");
         let axes = self.add(&format!("IFCAXIS2PLACEMENT3D(#{origin},$,$)"));
         let up = self.add("IFCDIRECTION((0.,0.,1.))");
-        let body = self.add(&format!("IFCEXTRUDEDAREASOLID(#{profile},#{axes},#{up},{})", real(height)));
+        let body = self.add(&format!("IFCEXTRUDEDAREASOLID(#{profile},#{axes},#{up},{})", real(top - z)));
         let context = self.context.map_or("$".into(), |c| format!("#{c}"));
         let shown = self.add(&format!("IFCSHAPEREPRESENTATION({context},'Body','SweptSolid',(#{body}))"));
         let shape = self.add(&format!("IFCPRODUCTDEFINITIONSHAPE($,$,(#{shown}))"));
-        let at = format!("IFCCARTESIANPOINT(({},{},{}))", real(zero.x), real(zero.y), real(z));
-        let at = self.add(&at);
+        let at = self.add(&format!("IFCCARTESIANPOINT(({},{},{}))", real(zero.x), real(zero.y), real(z)));
         let axes = self.add(&format!("IFCAXIS2PLACEMENT3D(#{at},$,$)"));
-        let placement = self.add(&format!("IFCLOCALPLACEMENT($,#{axes})"));
+        [self.add(&format!("IFCLOCALPLACEMENT($,#{axes})")), shape]
+    }
+
+    /// Metres above the floor in file units.
+    fn above(&self, m: f64) -> f64 {
+        self.z + m / self.b.geo.metres
+    }
+
+    /// An opening through a wall.
+    fn opening(&mut self, wall: u64, gone: &[DVec2; 4], filling: Filling) -> u64 {
+        let [below, top] = [-BELOW_FLOOR_M, OPENING_HEIGHT_M].map(|m| self.above(m));
+        let whole = reach(self.b, wall).filter(|_| filling == Filling::Gone);
+        let over = BELOW_FLOOR_M / self.b.geo.metres;
+        let heights = whole.map_or([below, top], |[lo, hi]| [lo - over, hi + over]);
+        let [placement, shape] = self.body(gone, heights);
         let (history, last) = (self.history.clone(), if self.is_old() { "" } else { ",.OPENING." });
         let gid = self.global_id("opening");
         let made = self.add(&format!(
@@ -81,6 +114,59 @@ impl Writer<'_, '_, '_> {
         let gid = self.global_id("voids");
         self.add(&format!("IFCRELVOIDSELEMENT('{gid}',{history},$,$,#{wall},#{made})"));
         self.status(made, "Pset_OpeningElementCommon", "NEW");
+        made
+    }
+
+    /// A door or a window in an opening: a leaf or a pane in the middle of the wall.
+    fn filled(&mut self, opening: u64, gone: &[DVec2; 4], filling: Filling, storey: Option<u64>) {
+        let (keyword, name, set, last) = match filling {
+            Filling::Nothing | Filling::Gone => return,
+            Filling::Door => ("IFCDOOR", "Door", "Pset_DoorCommon", ",.DOOR.,.NOTDEFINED.,$"),
+            Filling::Glass => ("IFCWINDOW", "Window", "Pset_WindowCommon", ",.WINDOW.,.NOTDEFINED.,$"),
+        };
+        let [a, b, c, d] = *gone;
+        let (right, left) = ((a + d) / 2.0, (b + c) / 2.0);
+        let off = (d - a).normalize_or_zero() * (LEAF_M / 2.0 / self.b.geo.metres);
+        let ring = [right - off, left - off, left + off, right + off];
+        let [placement, shape] = self.body(&ring, [self.above(0.0), self.above(OPENING_HEIGHT_M)]);
+        let (height, width) = (real(OPENING_HEIGHT_M / self.b.geo.metres), real(right.distance(left)));
+        let (history, last) = (self.history.clone(), if self.is_old() { "" } else { last });
+        let gid = self.global_id("filling");
+        let made = self.add(&format!(
+            "{keyword}('{gid}',{history},'{name}',$,$,#{placement},#{shape},$,{height},{width}{last})"
+        ));
+        let gid = self.global_id("fills");
+        self.add(&format!("IFCRELFILLSELEMENT('{gid}',{history},$,$,#{opening},#{made})"));
+        self.stands(made, storey);
+        self.status(made, set, "NEW");
+    }
+
+    /// A wall as high as another, of its material.
+    fn wall(&mut self, like: u64, ring: &[DVec2], storey: Option<u64>) {
+        let heights = reach(self.b, like).unwrap_or([0.0, WALL_HEIGHT_M].map(|m| self.above(m)));
+        let [placement, shape] = self.body(ring, heights);
+        let (history, last) = (self.history.clone(), if self.is_old() { "" } else { ",$" });
+        let gid = self.global_id("wall");
+        let made = self.add(&format!("IFCWALL('{gid}',{history},'Wall',$,$,#{placement},#{shape},${last})"));
+        self.stands(made, storey);
+        let material = self.b.step.all("IFCRELASSOCIATESMATERIAL").find_map(|i| {
+            let args = self.b.step.args_of(i);
+            args.get(4).filter(|a| a.ids().contains(&like)).and_then(|_| args.get(5)?.id())
+        });
+        // Layers are those of a wall of their thickness and place; a plain material holds of any.
+        let is_plain = |id: &u64| self.b.step.keyword(*id) == "IFCMATERIAL";
+        if let Some(material) = material.filter(is_plain) {
+            let gid = self.global_id("material");
+            self.add(&format!("IFCRELASSOCIATESMATERIAL('{gid}',{history},$,$,(#{made}),#{material})"));
+        }
+        self.status(made, "Pset_WallCommon", "NEW");
+    }
+
+    /// Puts an element into its storey.
+    fn stands(&mut self, id: u64, storey: Option<u64>) {
+        let Some(storey) = storey else { return };
+        let (gid, history) = (self.global_id("stands"), self.history.clone());
+        self.add(&format!("IFCRELCONTAINEDINSPATIALSTRUCTURE('{gid}',{history},$,$,(#{id}),#{storey})"));
     }
 
     /// Says of an element that it is to go.

@@ -4,7 +4,7 @@
 
 use crate::dxf_patch::{ascii, pairs, variants};
 use crate::support::read_whole;
-use enfilade_cad::drawing::{Addition, Drawing, Edit, Entity, Mark, Shape, Vertex};
+use enfilade_cad::drawing::{Addition, Drawing, Edit, Entity, Filling, Mark, Shape, Vertex};
 use enfilade_cad::dxf::{Completeness, Probe, fills_at, is_complete, patch};
 use enfilade_cad::own_layers::DEMOLISHED;
 use glam::DVec2;
@@ -38,9 +38,9 @@ fn edits(drawing: &Drawing) -> Vec<Edit> {
     let chains = vec![open(&[at(0.0, 0.0), at(3.0, 0.0)]), open(&[at(3.0, 1.5), at(3.0, 2.0), at(0.0, 0.0)])];
     let halves = vec![open(&[at(5.0, 5.0), at(5.25, 5.0)]), open(&[at(5.75, 5.0), at(6.0, 5.0)])];
     vec![
-        Edit::Cut { record: line, gone, parts: two },
-        Edit::Cut { record: lightweight, gone, parts: chains },
-        Edit::Cut { record: old, gone, parts: halves },
+        Edit::Cut { record: line, gone, parts: two, filling: Filling::Nothing },
+        Edit::Cut { record: lightweight, gone, parts: chains, filling: Filling::Nothing },
+        Edit::Cut { record: old, gone, parts: halves, filling: Filling::Nothing },
         Edit::Drop { record: arc },
         Edit::Build { record: line, shapes: vec![Shape::Line { a: at(2.0, -1.6), b: at(2.1, -1.5) }] },
     ]
@@ -111,7 +111,10 @@ fn what_fills_a_wall_ends_at_its_opening_and_a_floor_does_not() {
     let found = fills_at("plan.dxf", &bytes, &[probe]).unwrap();
     assert_eq!(found.len(), 2, "the wall's hatch and its solid");
     let gone = quad(at(2.0, -0.02), at(3.0, 0.22));
-    let cuts: Vec<Edit> = found.iter().map(|r| Edit::Cut { record: *r, gone, parts: Vec::new() }).collect();
+    let cuts: Vec<Edit> = found
+        .iter()
+        .map(|r| Edit::Cut { record: *r, gone, parts: Vec::new(), filling: Filling::Nothing })
+        .collect();
     let written = patch("plan.dxf", &bytes, &cuts, &[outline()]).unwrap();
     let inside = |x: f64| {
         let probe = Probe { inside: at(x, 0.1), beside: [at(x, -0.15), at(x, 0.35)] };
@@ -120,7 +123,11 @@ fn what_fills_a_wall_ends_at_its_opening_and_a_floor_does_not() {
     assert_eq!([0.5, 1.9, 2.1, 2.9, 3.1, 4.5].map(inside), [2, 2, 0, 0, 2, 2]);
     // Nothing left of it: it goes as a whole.
     let all = quad(at(-1.0, -1.0), at(6.0, 1.0));
-    let gone =
-        patch("plan.dxf", &bytes, &[Edit::Cut { record: found[0], gone: all, parts: Vec::new() }], &[]);
+    let gone = patch(
+        "plan.dxf",
+        &bytes,
+        &[Edit::Cut { record: found[0], gone: all, parts: Vec::new(), filling: Filling::Nothing }],
+        &[],
+    );
     assert!(String::from_utf8(gone.unwrap()).unwrap().contains(DEMOLISHED));
 }

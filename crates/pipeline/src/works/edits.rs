@@ -6,11 +6,13 @@ use std::collections::BTreeSet;
 use glam::DVec2;
 
 use super::fitted;
+use crate::understand::building::NamedOpening;
 use crate::understand::understood::Understood;
 use enfilade_cad::curve::control_points;
-use enfilade_cad::drawing::{Addition, Drawing, Edit, Editable, Format, Mark, Shape, Vertex};
+use enfilade_cad::drawing::{Addition, Drawing, Edit, Editable, Filling, Format, Mark, Shape, Vertex};
 use enfilade_cad::dxf::{Probe, fills_at};
 use enfilade_cad::own_layers::DEMOLISHED;
+use enfilade_cad::plane::is_inside_ring;
 use enfilade_config::WorkTable;
 use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_plan::{DrawnBy, Plan, Wall as Drawn};
@@ -91,7 +93,7 @@ fn in_drawing(
         let gone = work.change.demolished[0].map(|p| plan.frame.file_from_um(p));
         out.edits.push(match parts.is_empty() {
             true => Edit::Drop { record },
-            false => Edit::Cut { record, gone, parts },
+            false => Edit::Cut { record, gone, parts, filling: Filling::Nothing },
         });
     }
     for record in doors(base, drawing, work)? {
@@ -108,34 +110,50 @@ fn in_drawing(
     for record in fills(base, bytes, work) {
         let gone = work.change.demolished[0].map(|p| plan.frame.file_from_um(p));
         if out.edits.iter().all(|e| e.record() != record) {
-            out.edits.push(Edit::Cut { record, gone, parts: Vec::new() });
+            out.edits.push(cut_whole(record, gone, Filling::Nothing));
         }
     }
     out.additions = work.change.demolished.iter().map(|q| demolished(plan, q)).collect();
     Ok(out)
 }
 
-/// An opening voids its wall; what goes as a whole says so.
+/// A cut of which the file knows itself what stays.
+fn cut_whole(record: usize, gone: [DVec2; 4], filling: Filling) -> Edit {
+    Edit::Cut { record, gone, parts: Vec::new(), filling }
+}
+
+/// An opening voids its wall, with a leaf or a pane where it has one; what goes as a whole says so; new walls stand where
+/// others are closed.
 fn in_building(base: &Understood, walls: &[Wall], work: &Work) -> Result<Written, String> {
     let plan = &base.plan;
+    let file = |q: &Quad| q.map(|p| plan.frame.file_from_um(p));
     let mut out = Written::default();
-    let is_built = matches!(work.kind, WorkKind::Close | WorkKind::Rehang | WorkKind::Add | WorkKind::Glaze);
-    if is_built {
-        return Err("new walls and panes are not made in a building".into());
-    }
+    let filling = match work.kind {
+        WorkKind::Door | WorkKind::Rehang => Filling::Door,
+        WorkKind::Glaze => Filling::Glass,
+        WorkKind::Remove | WorkKind::End => Filling::Gone,
+        _ => Filling::Nothing,
+    };
     let records: BTreeSet<usize> = work.walls.iter().flat_map(|w| &walls[w.0].records).copied().collect();
-    for record in records {
-        let own: Vec<&Drawn> = plan.walls.iter().filter(|w| w.source.record == record).collect();
-        let is_gone = |w: &&Drawn| w.trace.segments().all(|(_, _, s)| covered(s, &work.change.demolished));
+    for record in &records {
+        let own: Vec<&Drawn> = plan.walls.iter().filter(|w| w.source.record == *record).collect();
+        let is_gone =
+            |w: &&Drawn| w.trace.points.iter().all(|p| work.change.demolished.iter().any(|q| holds(q, *p)));
         if work.kind == WorkKind::Remove && own.iter().all(is_gone) {
-            out.edits.push(Edit::Drop { record });
+            out.edits.push(Edit::Drop { record: *record });
             continue;
         }
         let met =
             work.change.demolished.iter().filter(|q| own.iter().any(|w| meets(w, std::slice::from_ref(*q))));
-        for quad in met {
-            let gone = quad.map(|p| plan.frame.file_from_um(p));
-            out.edits.push(Edit::Cut { record, gone, parts: Vec::new() });
+        out.edits.extend(met.map(|q| cut_whole(*record, file(q), filling)));
+    }
+    let body = walled_up(plan, walls, work);
+    if let (Some(body), Some(record)) = (&body, records.first()) {
+        let vertices = body.map(|p| Vertex { at: plan.frame.file_from_plan(p), bulge: 0.0 }).to_vec();
+        out.edits
+            .push(Edit::Build { record: *record, shapes: vec![Shape::Polyline { vertices, closed: true }] });
+        for record in hung(base, work) {
+            out.edits.push(Edit::Drop { record });
         }
     }
     match out.edits.is_empty() {
@@ -144,14 +162,50 @@ fn in_building(base: &Understood, walls: &[Wall], work: &Work) -> Result<Written
     }
 }
 
+/// The body of what is walled up or built, plan frame.
+fn walled_up(plan: &Plan, walls: &[Wall], work: &Work) -> Option<[DVec2; 4]> {
+    let half = work.walls.first().map_or(0.0, |w| walls[w.0].thickness_m / 2.0);
+    let [a, b] = match work.kind {
+        WorkKind::Close | WorkKind::Add => work.stretch,
+        // Two faces of what is walled up are built, and two jambs that are shorter.
+        WorkKind::Rehang => {
+            let at = |p: PointUm| plan.frame.plan_from_um(p);
+            let faces = work.change.built.iter().map(|s| [at(s.a), at(s.b)]);
+            let mut long: Vec<[DVec2; 2]> = faces.filter(|[p, q]| p.distance(*q) > 2.1 * half).collect();
+            let (p, q) = (long.pop()?, long.pop()?);
+            [(p[0] + q[0]) / 2.0, (p[1] + q[1]) / 2.0]
+        }
+        _ => return None,
+    };
+    let off = (b - a).try_normalize()?.perp() * half;
+    (half > 0.0).then_some([a - off, b - off, b + off, a + off])
+}
+
+/// Records of the doors that a building has in the opening that is walled up.
+fn hung(base: &Understood, work: &Work) -> BTreeSet<usize> {
+    let opening = work.opening.and_then(|k| base.axes.openings.get(k));
+    let Some(opening) = opening else { return BTreeSet::new() };
+    let middle = opening.centre * base.plan.human_scale;
+    let is_there = |o: &&NamedOpening| {
+        let ring: Vec<DVec2> = o.outline.points.iter().map(|p| base.plan.frame.plan_from_um(*p)).collect();
+        is_inside_ring(&ring, middle)
+    };
+    base.openings.iter().filter(is_there).map(|o| o.record).collect()
+}
+
 /// Whether a wall's line has a length in what goes.
 fn meets(wall: &Drawn, gone: &[Quad]) -> bool {
     wall.trace.segments().any(|(_, _, s)| gone.iter().any(|q| inside(s, q).is_some()))
 }
 
-/// Whether all of a line goes.
-fn covered(s: Segment, gone: &[Quad]) -> bool {
-    outside(s, gone).is_empty()
+/// Whether a corner of a wall lies in what goes, or on its rim.
+fn holds(gone: &Quad, p: PointUm) -> bool {
+    let at = |p: PointUm| DVec2::new(p[0] as f64, p[1] as f64);
+    let [a, b, _, d] = gone.map(at);
+    [b - a, d - a].into_iter().all(|side| {
+        let along = (at(p) - a).dot(side.normalize_or_zero());
+        (-SAME_UM..=side.length() + SAME_UM).contains(&along)
+    })
 }
 
 /// The parts of a line that stay, as shares of its length, ascending.
@@ -308,7 +362,7 @@ fn fills(base: &Understood, bytes: &[u8], work: &Work) -> Vec<usize> {
     let mut found = fills_at(&plan.file, bytes, &probes).unwrap_or_default();
     let gone = work.change.demolished.first().map(|q| q.map(|p| plan.frame.file_from_um(p)));
     found.retain(|record| {
-        let edit = gone.map(|gone| Edit::Cut { record: *record, gone, parts: Vec::new() });
+        let edit = gone.map(|gone| cut_whole(*record, gone, Filling::Nothing));
         edit.is_some_and(|e| enfilade_cad::dxf::patch(&plan.file, bytes, &[e], &[]).is_ok())
     });
     found

@@ -50,7 +50,7 @@ fn works_are_cut_into_a_drawing() {
 
 #[test]
 fn openings_and_removals_are_written_into_a_building() {
-    as_told("flat.ifc", &["open", "door", "widen", "remove"]);
+    as_told("flat.ifc", &["open", "door", "widen", "remove", "close", "rehang", "glaze"]);
 }
 
 #[test]
