@@ -13,8 +13,8 @@ use enfilade_report::{Report, Severity};
 /// Notes that stand in the short summary too: they qualify what the table says.
 const QUALIFYING: [&str; 1] = ["thresholds-lowered"];
 
-/// Notes that stand there where there is no option: what would help instead.
-const INSTEAD: [&str; 3] = ["work-allowed", "work-forbidden", "works-tried"];
+/// Notes that stand there where there is no option: what may move and how to say it better, what would help instead.
+const INSTEAD: [&str; 4] = ["default-moves", "work-allowed", "work-forbidden", "works-tried"];
 
 /// The summary of a round, `folder` being where its files are.
 pub(super) fn summary(result: &RoundResult, args: &RunArgs, folder: &Path) {
@@ -167,8 +167,10 @@ mod tests {
         let (short, left) = shown(&report, false, true);
         assert_eq!((codes(&short), left), (vec!["thresholds-lowered", "fewer"], 1));
         report.info("work-allowed", Place::default(), "An opening of 1.8 m between Kitchen and Living room");
+        report.info("default-moves", Place::default(), "nothing may move: draw EF-MOVE");
         assert_eq!(codes(&shown(&report, false, true).0).len(), 2);
-        assert_eq!(codes(&shown(&report, false, false).0), ["thresholds-lowered", "fewer", "work-allowed"]);
+        let instead = ["thresholds-lowered", "fewer", "work-allowed", "default-moves"];
+        assert_eq!(codes(&shown(&report, false, false).0), instead);
         assert_eq!(shown(&report, true, true), (report, 0));
     }
 }
