@@ -484,6 +484,13 @@ pub enum Edit {
         /// [`SourceRef::record`].
         record: usize,
     },
+    /// Another one of the block that the INSERT at `record` shows, behind it.
+    Copy {
+        /// [`SourceRef::record`].
+        record: usize,
+        /// Where it stands: that of the first one, moved.
+        motion: RigidMotion,
+    },
     /// What is drawn new, behind the entity at `record` and with its properties.
     Build {
         /// [`SourceRef::record`].
@@ -496,7 +503,7 @@ pub enum Edit {
 impl Edit {
     /// Whether it is a building work.
     pub fn is_work(&self) -> bool {
-        matches!(self, Self::Cut { .. } | Self::Drop { .. } | Self::Build { .. })
+        matches!(self, Self::Cut { .. } | Self::Drop { .. } | Self::Copy { .. } | Self::Build { .. })
     }
 
     /// [`SourceRef::record`] of what it changes.
@@ -508,6 +515,7 @@ impl Edit {
             | Self::Points { record, .. }
             | Self::Cut { record, .. }
             | Self::Drop { record }
+            | Self::Copy { record, .. }
             | Self::Build { record, .. } => *record,
         }
     }
@@ -519,6 +527,7 @@ impl Edit {
             | Self::Points { .. }
             | Self::Cut { .. }
             | Self::Drop { .. }
+            | Self::Copy { .. }
             | Self::Build { .. } => false,
             Self::Insert { motion, .. } => motion.turn_rad == 0.0 && motion.shift == DVec2::ZERO,
             Self::Ends { by, .. } => *by == [0.0; 2],

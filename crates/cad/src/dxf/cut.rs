@@ -7,7 +7,7 @@ use super::additions::Writer;
 use super::fields::{Fields, constant_width, handle_of, lwpolyline_vertices, own_pairs, polyline_records};
 use super::patch::Editor;
 use super::tokens::Tokens;
-use crate::drawing::{Shape, Vertex};
+use crate::drawing::{RigidMotion, Shape, Vertex};
 use crate::own_layers::DEMOLISHED;
 use crate::splice::Splice;
 use enfilade_report::Error;
@@ -67,6 +67,38 @@ impl Editor<'_, '_> {
         if !with.is_empty() {
             self.out.push((self.record, Splice { start: end, end, with }));
         }
+        Ok(())
+    }
+
+    /// Another INSERT of the same block, without attributes: they say what the first one is.
+    pub(super) fn copy(&mut self, motion: &RigidMotion, writer: &mut Writer<'_, '_>) -> Result<(), Error> {
+        let fields = Fields::of(self.tokens, self.record);
+        if self.tokens.name(self.record) != b"INSERT" {
+            return Err(self.fault("it is no block"));
+        }
+        if self.is_mirrored(&fields)? {
+            return Err(self.fault("it is drawn in a plane that is turned over"));
+        }
+        let number = |code: i32| fields.index(code).map(|i| self.number(i)).transpose();
+        let (Some(x), Some(y)) = (number(10)?, number(20)?) else {
+            return Err(self.fault("it has no place"));
+        };
+        let at = DVec2::from_angle(motion.turn_rad).rotate(DVec2::new(x, y)) + motion.shift;
+        let turned_deg = number(50)?.unwrap_or(0.0) + motion.turn_rad.to_degrees();
+        self.listen([at])?;
+        self.begin("INSERT", self.record, writer);
+        self.subclass(self.record, "AcDbBlockReference", writer);
+        for (_, pair) in own_pairs(self.tokens, self.record) {
+            match pair.code {
+                10 => writer.float(10, at.x),
+                20 => writer.float(20, at.y),
+                2 | 30 | 41..=43 | 210 | 220 | 230 => writer.raw(pair.code, self.tokens.raw(pair)),
+                _ => {}
+            }
+        }
+        writer.float(50, turned_deg.rem_euclid(360.0));
+        let (end, with) = (self.end(), writer.take());
+        self.out.push((self.record, Splice { start: end, end, with }));
         Ok(())
     }
 

@@ -117,13 +117,14 @@ fn edit_splices<'t, 'a>(
                 Edit::Points { points, .. } => editor.points(points)?,
                 Edit::Ends { .. } => return Err(editor.fault("no entity has ends of its own to move")),
                 Edit::Drop { .. } => editor.drop()?,
-                Edit::Cut { .. } | Edit::Build { .. } => {
+                Edit::Cut { .. } | Edit::Build { .. } | Edit::Copy { .. } => {
                     let Some(writer) = writer.as_deref_mut() else {
                         return Err(editor.fault("nothing can be drawn here"));
                     };
                     match edit {
                         Edit::Cut { gone, parts, .. } => editor.cut(gone, parts, writer)?,
                         Edit::Build { shapes, .. } => editor.build(shapes, writer)?,
+                        Edit::Copy { motion, .. } => editor.copy(motion, writer)?,
                         _ => {}
                     }
                 }
@@ -178,6 +179,11 @@ fn definition_edits<'e>(
                 let shapes = back(shapes).ok_or_else(|| editor.fault("what shows it stretches it"))?;
                 Edit::Build { record, shapes }
             }
+            Edit::Copy { motion, .. } => {
+                let motion = place.motion_back(motion);
+                let motion = motion.ok_or_else(|| editor.fault("what shows it stretches it"))?;
+                Edit::Copy { record, motion }
+            }
             Edit::Ends { .. } | Edit::Points { .. } | Edit::Drop { .. } => edit.clone(),
         };
         Ok(changed)
@@ -209,7 +215,7 @@ impl Editor<'_, '_> {
         Error::input("dxf-edit", Place { file: self.file.into(), line, entity }, text)
     }
 
-    fn number(&self, index: usize) -> Result<f64, Error> {
+    pub(super) fn number(&self, index: usize) -> Result<f64, Error> {
         let number = self.tokens.number(&self.tokens.pairs[index]);
         number.ok_or_else(|| self.fault("a value to change is no number"))
     }

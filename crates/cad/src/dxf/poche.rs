@@ -412,6 +412,7 @@ impl Ground {
                 | Edit::Points { .. }
                 | Edit::Cut { .. }
                 | Edit::Drop { .. }
+                | Edit::Copy { .. }
                 | Edit::Build { .. } => {}
             }
         }

@@ -55,6 +55,7 @@ pub(super) fn text(
             | Edit::Points { .. }
             | Edit::Cut { .. }
             | Edit::Drop { .. }
+            | Edit::Copy { .. }
             | Edit::Build { .. } => Vec::new(),
         });
     }

@@ -118,6 +118,7 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
             | Edit::Points { .. }
             | Edit::Cut { .. }
             | Edit::Drop { .. }
+            | Edit::Copy { .. }
             | Edit::Build { .. } => {
                 return Err(self.fault(id, "an element of a building moves as a whole"));
             }

@@ -107,6 +107,7 @@ fn walls<'b>(b: &'b Building<'_, '_>, edits: &[Edit], tails: &Tails) -> Vec<Wall
             | Edit::Points { .. }
             | Edit::Cut { .. }
             | Edit::Drop { .. }
+            | Edit::Copy { .. }
             | Edit::Build { .. } => {}
         }
     }

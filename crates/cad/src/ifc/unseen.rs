@@ -256,6 +256,7 @@ fn ways(edits: &[Edit]) -> Ways {
             | Edit::Points { .. }
             | Edit::Cut { .. }
             | Edit::Drop { .. }
+            | Edit::Copy { .. }
             | Edit::Build { .. } => {}
         }
     }

@@ -51,6 +51,7 @@ pub(super) fn text(
                 writer.filled(opening, gone, *filling, storey.map(|s| s.id));
             }
             Edit::Drop { .. } => writer.demolished(id),
+            Edit::Copy { .. } => return Err(fault("an element of a building is not copied")),
             Edit::Build { shapes, .. } => {
                 let rings: Option<Vec<Vec<DVec2>>> = shapes.iter().map(ring).collect();
                 let rings = rings.ok_or_else(|| fault("a new wall has no body"))?;

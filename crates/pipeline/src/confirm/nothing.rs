@@ -50,10 +50,13 @@ pub(crate) fn nothing_returned(
     )
 }
 
-/// How to take the best layout and see others like it, where it surely gains something, in tenths of a per cent.
+/// Less is not offered: the list of building works begins there too.
+const TRIFLE: f64 = 0.005;
+
+/// How to take the best layout and see others like it, where it surely gains more than a trifle, in tenths of a per cent.
 pub(crate) fn smaller_gain(share: f64) -> String {
     match (share * 1000.0).floor() / 10.0 {
-        percent if percent > 0.0 && percent.is_finite() => format!(
+        percent if share >= TRIFLE && percent.is_finite() => format!(
             " The best layout found surely gains {percent} %: `accept FILE best` takes it. `--least-gain {percent}%` shows \
              others like it."
         ),
@@ -80,7 +83,7 @@ pub(crate) fn what_limits(brief: &Brief<'_>, best: &[f64]) -> String {
     };
     format!(
         "May move: {who} ({moving} of {walls} wall elements). All others are fixed.{}{bounds}{} Add {}, or \
-         give wider bounds.",
+         wider bounds in them.",
         rules_clause(brief.settings, names.len()),
         withheld::words(brief),
         brief.study.base.plan.format.marking().more

@@ -1,9 +1,11 @@
 //! The leaf of a new door and the panes of new glass, drawn as the drawing's own are.
 
+use std::collections::BTreeSet;
+
 use glam::DVec2;
 
 use crate::understand::understood::Understood;
-use enfilade_cad::drawing::{Drawing, Edit, Editable, Shape};
+use enfilade_cad::drawing::{Drawing, Edit, Editable, RigidMotion, Shape};
 use enfilade_plan::axes::{Opening, OpeningKind};
 use enfilade_works::Work;
 use enfilade_works::walls::Wall;
@@ -21,10 +23,49 @@ fn like(base: &Understood, drawing: &Drawing, kind: OpeningKind) -> Option<usize
     base.axes.openings.iter().filter(|o| o.kind == kind).find_map(of)
 }
 
+/// A block fits where width and thickness differ by no more, metres of a person.
+const FITS_M: f64 = 0.01;
+
+/// The drawing's own block of a door or a window of the same width in a wall as thick, as it would stand in a new opening;
+/// `None` where it has none.
+fn block(
+    base: &Understood,
+    drawing: &Drawing,
+    (wall, work): (&Wall, &Work),
+    kind: OpeningKind,
+) -> Option<Edit> {
+    let (plan, scale) = (&base.plan, base.plan.human_scale);
+    let [p, q] = work.stretch;
+    let is_near = |a: f64, b: f64| (a - b).abs() <= FITS_M * scale;
+    let fits = |o: &&Opening| {
+        o.kind == kind
+            && is_near(o.width_m * scale, p.distance(q))
+            && is_near(o.thickness_m * scale, wall.thickness_m)
+    };
+    let of = |o: &Opening| {
+        let entities = o.marks.iter().filter_map(|m| drawing.entities.get(*base.marked.get(*m as usize)?));
+        let records: BTreeSet<usize> = entities
+            .filter(|e| e.editable == Editable::WithInsert { turnable: true })
+            .map(|e| e.source.record)
+            .collect();
+        // One block shows the whole of it.
+        let (Some(record), true) = (records.first(), records.len() == 1) else { return None };
+        let [a, b] = o.jambs.map(|j| plan.frame.file_from_plan(j.at * scale));
+        let [c, d] = [p, q].map(|x| plan.frame.file_from_plan(x));
+        let turn_rad = (b - a).angle_to(d - c);
+        let shift = (c + d) / 2.0 - DVec2::from_angle(turn_rad).rotate((a + b) / 2.0);
+        Some(Edit::Copy { record: *record, motion: RigidMotion { turn_rad, shift } })
+    };
+    base.axes.openings.iter().filter(fits).find_map(of)
+}
+
 /// The leaf of a new door with its swing; `None` where the drawing has no door drawn so.
 pub(super) fn leaf(base: &Understood, drawing: &Drawing, walls: &[Wall], work: &Work) -> Option<Edit> {
-    let record = like(base, drawing, OpeningKind::Door)?;
     let wall = walls.get(work.walls.first()?.0)?;
+    if let Some(own) = block(base, drawing, (wall, work), OpeningKind::Door) {
+        return Some(own);
+    }
+    let record = like(base, drawing, OpeningKind::Door)?;
     let [p, q] = work.stretch;
     let along = (q - p).try_normalize()?;
     // Hung on the jamb nearer to the wall's end: open, the leaf lies before a wall.
@@ -48,8 +89,11 @@ pub(super) fn leaf(base: &Understood, drawing: &Drawing, walls: &[Wall], work: &
 
 /// The panes of new glass between its jambs; `None` where the drawing has no window drawn so.
 pub(super) fn panes(base: &Understood, drawing: &Drawing, walls: &[Wall], work: &Work) -> Option<Edit> {
-    let record = like(base, drawing, OpeningKind::Window)?;
     let wall = walls.get(work.walls.first()?.0)?;
+    if let Some(own) = block(base, drawing, (wall, work), OpeningKind::Window) {
+        return Some(own);
+    }
+    let record = like(base, drawing, OpeningKind::Window)?;
     let [p, q] = work.stretch;
     let off = wall.along.perp() * (wall.thickness_m * PANE_SHARE);
     let line = |by: DVec2| Shape::Line {
