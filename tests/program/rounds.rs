@@ -608,24 +608,6 @@ fn one_best_of_the_published_method_is_enough() {
     assert!(inside == 1 && !said.contains("few-options"), "{inside} {said}");
 }
 
-/// That nothing is gained in an objective is told only where no layout measured gains in it.
-#[test]
-fn what_is_gained_is_not_told_to_be_out_of_reach() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("gallery.dxf");
-    std::fs::copy(enfilade_fixtures::repository("samples/gallery.dxf"), &file).unwrap();
-    let done = enfilade(&["run", file.to_str().unwrap(), "--evaluations", "100", "--method", "paper", "-q"]);
-    assert!(matches!(done.status.code(), Some(0 | 1)), "{}", text(&done.stderr));
-    let result = json(&folder.path().join("gallery.enfilade/round-01/result.json"));
-    let entropy = &result["objectives"][3];
-    let [reachable, initial] = ["reachable", "initial"].map(|key| entropy[key].as_f64().unwrap());
-    assert!(entropy["name"] == "entropy" && reachable < initial, "the case at hand: {entropy}");
-    let option = &result["candidates"][0];
-    assert!(option["within_threshold"] == true && option["mean"]["entropy"].as_f64().unwrap() > initial);
-    let is_told = |p: &Value| p["code"] == "out-of-reach" && p["text"].as_str().unwrap().contains("Evenness");
-    assert!(!result["problems"].as_array().unwrap().iter().any(is_told), "{}", result["problems"]);
-}
-
 /// What fills the ground between walls goes with them in every option and in the accepted drawing.
 #[test]
 fn what_fills_walls_goes_along() {

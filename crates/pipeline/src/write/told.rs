@@ -38,23 +38,7 @@ pub(crate) fn say_out_of_reach(
     (study, settings): (&Study, &Settings),
     found: &Found,
 ) {
-    let gains =
-        |o: &Objective, value: f64| if o.sense == Sense::Max { value > o.initial } else { value < o.initial };
-    let keeps = |o: &Objective, value: f64| {
-        o.limit.is_none_or(|limit| if o.sense == Sense::Max { value >= limit } else { value <= limit })
-    };
-    // What was in reach when its stage began may have been surpassed since.
-    let is_gained = |i: usize| {
-        let before = |v: &Vec<f64>| (0..i).all(|j| keeps(&found.objectives[j], v[j]));
-        found.archive.iter().any(|v| before(v) && gains(&found.objectives[i], v[i]))
-    };
-    let is_lost = |(i, o): &(usize, &Objective)| {
-        o.name != "penalty"
-            && o.threshold > 0.0
-            && o.reachable.is_some_and(|reachable| !gains(o, reachable))
-            && !is_gained(*i)
-    };
-    for (_, o) in found.objectives.iter().enumerate().filter(is_lost) {
+    for o in out_of_reach(&found.objectives, &found.archive) {
         let text = format!(
             "{}: no layout gains in it and keeps the objectives before it. Put it before the others, or lower their \
              thresholds.{}",
@@ -63,6 +47,27 @@ pub(crate) fn say_out_of_reach(
         );
         report.warn("out-of-reach", Place::file(file), text);
     }
+}
+
+/// Objectives in which no layout that was measured gains and keeps those before them.
+fn out_of_reach<'o>(objectives: &'o [Objective], archive: &[Vec<f64>]) -> Vec<&'o Objective> {
+    let gains =
+        |o: &Objective, value: f64| if o.sense == Sense::Max { value > o.initial } else { value < o.initial };
+    let keeps = |o: &Objective, value: f64| {
+        o.limit.is_none_or(|limit| if o.sense == Sense::Max { value >= limit } else { value <= limit })
+    };
+    // What was in reach when its stage began may have been surpassed since.
+    let is_gained = |i: usize| {
+        let before = |v: &Vec<f64>| (0..i).all(|j| keeps(&objectives[j], v[j]));
+        archive.iter().any(|v| before(v) && gains(&objectives[i], v[i]))
+    };
+    let is_lost = |(i, o): &(usize, &Objective)| {
+        o.name != "penalty"
+            && o.threshold > 0.0
+            && o.reachable.is_some_and(|reachable| !gains(o, reachable))
+            && !is_gained(*i)
+    };
+    objectives.iter().enumerate().filter(is_lost).map(|(_, o)| o).collect()
 }
 
 /// What the hard limits do, as numbers: how the present layout stands to them, how many layouts keep them, and what the
@@ -315,6 +320,30 @@ mod tests {
     use super::*;
     use enfilade_config::Partial;
     use enfilade_plan::markers::Clause;
+
+    /// What was in reach when its stage began may have been surpassed since.
+    #[test]
+    fn what_is_gained_is_not_told_to_be_out_of_reach() {
+        let objective = |name: &str, initial: f64, reachable: f64| Objective {
+            name: name.into(),
+            sense: Sense::Max,
+            threshold: 0.7,
+            initial,
+            best: None,
+            reachable: Some(reachable),
+            limit: Some(initial),
+            free: None,
+        };
+        let objectives = [objective("degree", 10.0, 12.0), objective("entropy", 1.0, 0.9)];
+        let told = |archive: &[[f64; 2]]| -> Vec<String> {
+            let archive: Vec<Vec<f64>> = archive.iter().map(|v| v.to_vec()).collect();
+            out_of_reach(&objectives, &archive).into_iter().map(|o| o.name.clone()).collect()
+        };
+        assert_eq!(told(&[[11.0, 0.9]]), ["entropy"]);
+        assert_eq!(told(&[[11.0, 0.9], [11.0, 1.1]]), Vec::<String>::new());
+        // It gains, and falls short of the objective before.
+        assert_eq!(told(&[[9.0, 1.1]]), ["entropy"]);
+    }
 
     #[test]
     fn what_is_alike_is_told_with_what_can_be_done_about_it() {
