@@ -204,9 +204,7 @@ fn room(r: &KnownRoom) -> Room {
 pub(crate) fn say_best(result: &WorksResult, file: &str, report: &mut Report) {
     let place = || Place::file(file);
     for work in result.different(true, SAID) {
-        let text =
-            format!("{}; to have it drawn: {}", result.line(work), result.making(&work.id.to_string()));
-        report.info("work-allowed", place(), text);
+        report.info("work-allowed", place(), format!("{}.", result.line(work)));
     }
     for work in result.different(false, SAID_FORBIDDEN) {
         report.info("work-forbidden", place(), format!("{}.", result.line(work)));
