@@ -83,7 +83,9 @@ def test_01_a_house_from_the_first_mark_to_the_second_round(window):
     stop = window.ask("find", "EnfiladeStop")
     press_run(window, 5_000_000)
     window.wait_for("panel", lambda p: p["overlay"].get("best"), 60)
-    assert window.ask("find", "EnfiladeStop") == stop, "no button jumps away from the mouse"
+    # A line of another font may be a pixel or two higher; the mouse still is on the button.
+    now = window.ask("find", "EnfiladeStop")
+    assert max(abs(a - b) for a, b in zip(now, stop)) <= 4, "no button jumps away from the mouse"
     window.press("EnfiladeStop")
     panel = window.wait_for("panel", lambda p: not p["running"], 90)
     assert panel["status"].startswith("Stopped. Best so far: ") and panel["options"] >= 1, panel
