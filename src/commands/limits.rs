@@ -35,6 +35,12 @@ struct Limits {
     job: Duration,
 }
 
+/// Which limit a command hit.
+enum Limit {
+    Reading,
+    Job,
+}
+
 impl Clock {
     /// Begins to watch; `seconds`: the budget of a search.
     ///
@@ -93,9 +99,9 @@ fn watch(limits: &Limits, heard: &mpsc::Receiver<()>, cancel: &Cancel, hit: &Mut
         match heard.recv_timeout(if is_read { left } else { look }) {
             Ok(()) => is_read = true,
             Err(RecvTimeoutError::Disconnected) => return,
-            Err(RecvTimeoutError::Timeout) if left.is_zero() => break late(limits, &Late::JOB),
+            Err(RecvTimeoutError::Timeout) if left.is_zero() => break late(limits, Limit::Job),
             Err(RecvTimeoutError::Timeout) if !is_read && work.is_over(limits.read) => {
-                break late(limits, &Late::READING);
+                break late(limits, Limit::Reading);
             }
             Err(RecvTimeoutError::Timeout) => {}
         }
@@ -110,32 +116,19 @@ fn watch(limits: &Limits, heard: &mpsc::Receiver<()>, cancel: &Cancel, hit: &Mut
     }
 }
 
-/// Which limit was hit, in words.
-struct Late {
-    code: &'static str,
-    what: &'static str,
-    of: &'static str,
-    key: &'static str,
-    limit: fn(&Limits) -> Duration,
-}
-
-impl Late {
-    const READING: Self = Self {
-        code: "reading-too-long",
-        what: "reading the drawing",
-        of: "s of work",
-        key: "read-limit-secs",
-        limit: |l| l.read,
+fn late(limits: &Limits, limit: Limit) -> Error {
+    let (code, what, took, key) = match limit {
+        Limit::Reading => {
+            let took = format!("{} s of work", limits.read.as_secs_f64());
+            ("reading-too-long", "reading the drawing", took, "read-limit-secs")
+        }
+        Limit::Job => {
+            ("job-too-long", "the job", format!("{} s", limits.job.as_secs_f64()), "job-limit-secs")
+        }
     };
-    const JOB: Self =
-        Self { code: "job-too-long", what: "the job", of: "s", key: "job-limit-secs", limit: |l| l.job };
-}
-
-fn late(limits: &Limits, Late { code, what, of, key, limit }: &Late) -> Error {
     let text = format!(
-        "{what} took longer than the limit of {} {of} (--{key}, or {key} in [watch] of enfilade.toml) and was \
-         ended; its results are not complete",
-        limit(limits).as_secs_f64()
+        "{what} took longer than the limit of {took} (--{key}, or {key} in [watch] of enfilade.toml) and was ended; \
+         its results are not complete"
     );
     Error::input(code, Place::file(limits.file.to_string_lossy()), text)
 }

@@ -6,7 +6,7 @@ use super::{absolute, exit_code, hand_json, open, say, settings_for, tell, write
 use crate::cli::WorksArgs;
 use crate::store::{self, SystemDisk};
 use enfilade_config::{Partial, Settings, settings_files};
-use enfilade_overlay::works::{WorkEntry, WorksResult};
+use enfilade_overlay::works::{LEAST_SHOWN, WorkEntry, WorksResult};
 use enfilade_pipeline::Input;
 use enfilade_report::{Cancel, Error, Place};
 
@@ -70,7 +70,7 @@ fn make(
     if is_needed {
         say(&format!("its settings: {}", side_car.display()));
     }
-    say(&format!("Read again: visibility {} (told: {}).", percent(made.gain), percent(made.told)));
+    say(&format!("Read again: visibility {} (expected: {}).", percent(made.gain), percent(made.expected)));
     tell(&args.common, &made.report);
     Ok(exit_code(&made.report))
 }
@@ -86,7 +86,7 @@ fn tell_works(result: &WorksResult, most: usize) {
     let forbidden = result.different(false, FORBIDDEN_SHOWN);
     say(&format!("{} rooms, {} cells, spacing {} m", result.rooms.len(), result.cells, result.spacing_m));
     if allowed.is_empty() {
-        say("No allowed work brings 0.5 % or more.");
+        say(&format!("No allowed work brings {:.1} % or more.", 100.0 * LEAST_SHOWN));
     }
     for work in &allowed {
         say(&format!("{:>3}. {}{}", work.id, result.line(work), effort(work)));

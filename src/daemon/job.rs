@@ -9,7 +9,7 @@ use std::time::{Duration, Instant, SystemTime};
 use serde_json::{Value, json};
 
 use super::status::{SharedDisk, Standing, drawing_status, rfc3339};
-use super::{Done, JobEvent, JobOutput, JobRequest, Notice, RunJob};
+use super::{Done, JobEvent, JobOutput, JobRequest, Notice, RunJob, is_reading};
 use crate::store::{Home, Placing, SO_FAR, Written, round_name};
 use enfilade_report::{Cancel, Error, Place, Problem};
 
@@ -27,7 +27,7 @@ impl Told {
     /// Whether the drawing may not be understood yet when this event comes.
     pub(super) fn is_reading(&self) -> bool {
         match self {
-            Self::Progress(value) => value["stage"] == "read",
+            Self::Progress(value) => is_reading(value),
             Self::Problem(_) => true,
             Self::Analysis(_) => false,
         }

@@ -121,8 +121,13 @@ pub enum JobEvent {
 impl JobEvent {
     /// Whether the drawing may not be understood yet when this comes.
     fn is_reading(&self) -> bool {
-        matches!(self, Self::Progress(value) if value["stage"] == "read")
+        matches!(self, Self::Progress(value) if is_reading(value))
     }
+}
+
+/// Whether a step of progress is one of reading.
+fn is_reading(progress: &Value) -> bool {
+    progress["stage"] == "read"
 }
 
 /// What a job leaves.

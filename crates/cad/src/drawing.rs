@@ -467,35 +467,41 @@ pub enum Edit {
         /// All that the file states: corners, centres of arcs and points inside, in its order.
         points: Vec<DVec2>,
     },
-    /// A stretch of the wall at `record` goes: a building work, beside no other edit of the same record.
-    Cut {
+    /// A building work on the entity at `record`.
+    Work {
         /// [`SourceRef::record`].
         record: usize,
-        /// What goes: the stretch with both faces, corners in ring order.
-        gone: [DVec2; 4],
-        /// What stays of a drawn line, in its order: the first part keeps the record, new ones behind it are alike.
-        /// Nothing: it goes as a whole.
+        /// What is done.
+        work: EntityWork,
+    },
+}
+
+/// What a building work does to one entity; all in drawing units. A drawing knows lines and fills, a building elements: what
+/// either cannot do it refuses.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EntityWork {
+    /// A drawn line is cut: the first part keeps the record, new ones behind it are alike. At least one.
+    Cut {
+        /// What stays, in the order of the line.
         parts: Vec<Shape>,
-        /// What stands in the opening afterwards, where the file has a name for it.
+    },
+    /// A stretch of a wall of a building, or of what fills a drawn one, goes.
+    Void {
+        /// The stretch with both faces, corners in ring order.
+        gone: [DVec2; 4],
+        /// What stands there afterwards.
         filling: Filling,
     },
-    /// The entity at `record` is demolished: it goes to [`own_layers::DEMOLISHED`](super::own_layers::DEMOLISHED).
-    Drop {
-        /// [`SourceRef::record`].
-        record: usize,
-    },
-    /// Another one of the block that the INSERT at `record` shows, behind it.
+    /// The entity is demolished: in a drawing it goes to [`own_layers::DEMOLISHED`](super::own_layers::DEMOLISHED).
+    Drop,
+    /// Another one of the block that an INSERT shows, behind it.
     Copy {
-        /// [`SourceRef::record`].
-        record: usize,
         /// Where it stands: that of the first one, moved.
         motion: RigidMotion,
     },
-    /// What is drawn new, behind the entity at `record` and with its properties.
+    /// Something new, behind the entity and with its properties.
     Build {
-        /// [`SourceRef::record`].
-        record: usize,
-        /// The new lines.
+        /// In a drawing lines, in a building the outlines of bodies.
         shapes: Vec<Shape>,
     },
 }
@@ -503,7 +509,7 @@ pub enum Edit {
 impl Edit {
     /// Whether it is a building work.
     pub fn is_work(&self) -> bool {
-        matches!(self, Self::Cut { .. } | Self::Drop { .. } | Self::Copy { .. } | Self::Build { .. })
+        matches!(self, Self::Work { .. })
     }
 
     /// [`SourceRef::record`] of what it changes.
@@ -513,22 +519,14 @@ impl Edit {
             | Self::Insert { record, .. }
             | Self::Ends { record, .. }
             | Self::Points { record, .. }
-            | Self::Cut { record, .. }
-            | Self::Drop { record }
-            | Self::Copy { record, .. }
-            | Self::Build { record, .. } => *record,
+            | Self::Work { record, .. } => *record,
         }
     }
 
     /// Whether it moves something by nothing.
     pub fn is_still(&self) -> bool {
         match self {
-            Self::Shape { .. }
-            | Self::Points { .. }
-            | Self::Cut { .. }
-            | Self::Drop { .. }
-            | Self::Copy { .. }
-            | Self::Build { .. } => false,
+            Self::Shape { .. } | Self::Points { .. } | Self::Work { .. } => false,
             Self::Insert { motion, .. } => motion.turn_rad == 0.0 && motion.shift == DVec2::ZERO,
             Self::Ends { by, .. } => *by == [0.0; 2],
         }

@@ -38,6 +38,8 @@ pub const HEAT_PREFIX: &str = "EF-HEAT-";
 pub const MOVED_RGB: [u8; 3] = [0xd5, 0x00, 0x5f];
 /// Colour of where they stood.
 pub const BEFORE_RGB: [u8; 3] = [0x8c, 0x90, 0x98];
+/// Yellow of what is demolished, as conversion plans have it.
+pub const DEMOLISHED_RGB: [u8; 3] = [0xf2, 0xb5, 0x00];
 /// Colour of words.
 pub const NOTE_RGB: [u8; 3] = [0x00, 0x50, 0x82];
 

@@ -4,6 +4,7 @@ use super::canvas::{Canvas, Pen, path_of};
 use super::clip;
 use super::frame::Frame;
 use super::palette::{PAPER, Rgb};
+use enfilade_cad::own_layers::DEMOLISHED_RGB;
 
 /// What a stroke stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -144,7 +145,7 @@ impl Look {
 }
 
 /// What is demolished and what is built, in the colours of a conversion plan.
-pub(super) const DEMOLISHED_LOOK: Look = Look::solid([0xf2, 0xb5, 0x00], 1.6, 0.0);
+pub(super) const DEMOLISHED_LOOK: Look = Look::solid(DEMOLISHED_RGB, 1.6, 0.0);
 pub(super) const BUILT_LOOK: Look = Look::solid([0xc8, 0x1e, 0x1e], 1.6, 0.0);
 
 /// Draws all strokes of the given lists, kinds in their order (later lie on top). `look` is asked

@@ -1,5 +1,6 @@
 //! `enfilade works`: every building work measured, ranked, the best confirmed.
 
+mod cuts;
 mod edits;
 mod fitted;
 mod made;
@@ -19,12 +20,12 @@ use crate::understand::rooms::{Room as KnownRoom, rooms_with_kinds};
 use crate::understand::sensed::Sensed;
 use crate::write::show;
 use enfilade_config::Settings;
-use enfilade_engine::Lattice;
 use enfilade_engine::forest::tally;
 use enfilade_engine::geometry::{Segment, UM_PER_M};
 use enfilade_engine::graph::Graph;
 use enfilade_engine::measures::mean_depth;
 use enfilade_engine::visibility::visibility_graph;
+use enfilade_engine::{Lattice, Obstacles};
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
 use enfilade_overlay::result::{self, Interval};
 use enfilade_overlay::works::{
@@ -38,7 +39,7 @@ use enfilade_report::{Cancel, Error, OutFile, Place, Report};
 use enfilade_works::counts::{Present, degrees, difference};
 use enfilade_works::rooms::rooms_of;
 use enfilade_works::walls::{Wall, walls};
-use enfilade_works::{Change, Room, Site, Work, WorkKind, Works, works};
+use enfilade_works::{Change, Room, RoomId, Site, Work, WorkKind, Works, works};
 pub use made::{MadeWorks, make_works};
 
 /// Works of which steps are counted too: by trees of all cells.
@@ -92,84 +93,78 @@ impl Listed {
     }
 }
 
-/// The works that are told of, and the walls that they name.
-struct Found {
+/// A floor as works are looked for on it.
+struct Floor {
+    sensed: Sensed,
+    known: Vec<KnownRoom>,
+    rooms: Vec<Room>,
     walls: Vec<Wall>,
-    /// In the order of the list.
-    listed: Vec<Work>,
+    is_kept: Vec<bool>,
+    obstacles: Obstacles,
+    graph: Graph,
+    room_of: Vec<Option<RoomId>>,
+    is_query: Vec<bool>,
+    shut: Vec<Segment>,
 }
 
-/// Finds the works of a study alone.
-fn find(job: Job<'_>, study: &Study, cancel: &Cancel) -> Result<Found, Error> {
-    let mut out = None;
-    with_site(job, study, cancel, &mut |site, found, _| {
-        let listed = listed(&found.works).into_iter().cloned().collect();
-        out = Some(Found { walls: site.walls.to_vec(), listed });
-        Ok(())
-    })?;
-    out.ok_or(Error::Stopped)
+impl Floor {
+    /// The present floor of a study.
+    fn of(study: &Study, settings: &Settings) -> Result<Self, Error> {
+        let (base, lattice) = (&study.base, &study.lattice);
+        let sensed = Sensed::new(base, settings);
+        let known = rooms_with_kinds(base, &sensed, settings)?;
+        let rooms: Vec<Room> = known.iter().map(room).collect();
+        let walls = walls(&base.plan, &base.axes);
+        let obstacles = study.initial_obstacles();
+        Ok(Self {
+            is_kept: walls.iter().map(|w| is_kept(&base.plan, w)).collect(),
+            graph: visibility_graph(lattice, &obstacles),
+            room_of: rooms_of(lattice, &rooms),
+            is_query: is_query(lattice),
+            shut: doors_of_private(&sensed, &rooms),
+            sensed,
+            known,
+            rooms,
+            walls,
+            obstacles,
+        })
+    }
+
+    fn site<'a>(&'a self, study: &'a Study) -> Site<'a> {
+        let present = Present {
+            plan: &study.base.plan,
+            lattice: &study.lattice,
+            obstacles: &self.obstacles,
+            graph: &self.graph,
+            rooms: &self.rooms,
+            room_of: &self.room_of,
+            is_query: &self.is_query,
+            shut: &self.shut,
+        };
+        Site { present, axes: &study.base.axes, walls: &self.walls, is_kept: &self.is_kept }
+    }
+
+    /// All works, measured.
+    fn works(&self, study: &Study, cancel: &Cancel) -> Result<Works, Error> {
+        let found = works(&self.site(study), &|| cancel.check().is_err());
+        cancel.check()?;
+        Ok(found)
+    }
 }
 
 /// The works of a study, with their picture.
 ///
 /// # Errors
 /// [`Error::Stopped`]; where the picture cannot be drawn.
-pub(crate) fn of_study(job: Job<'_>, study: &Study, cancel: &Cancel) -> Result<Listed, Error> {
-    let mut out = None;
-    with_site(job, study, cancel, &mut |site, found, known| {
-        out = Some(told(job, study, (site, found, known), cancel)?);
-        Ok(())
-    })?;
-    out.ok_or(Error::Stopped)
-}
-
-/// The floor with its rooms as they are shown.
-type Floor = (Sensed, Vec<KnownRoom>);
-/// Works, what they were looked for in, and the floor.
-type Sited<'a> = (&'a Site<'a>, &'a Works, &'a Floor);
-type Then<'a> = dyn FnMut(&Site<'_>, &Works, &Floor) -> Result<(), Error> + 'a;
-
-/// Measures all works, and hands them on with what they were looked for in.
-fn with_site(job: Job<'_>, study: &Study, cancel: &Cancel, then: &mut Then<'_>) -> Result<(), Error> {
-    let Job { settings, .. } = job;
-    let base = &study.base;
-    let sensed = Sensed::new(base, settings);
-    let known = rooms_with_kinds(base, &sensed, settings)?;
-    let rooms: Vec<Room> = known.iter().map(room).collect();
-    let walls = walls(&base.plan, &base.axes);
-    let is_kept: Vec<bool> = walls.iter().map(|w| is_kept(&base.plan, w)).collect();
-    let obstacles = study.initial_obstacles();
-    let graph = visibility_graph(&study.lattice, &obstacles);
-    let room_of = rooms_of(&study.lattice, &rooms);
-    let is_query = is_query(&study.lattice);
-    let shut = doors_of_private(&sensed, &rooms);
-    let present = Present {
-        plan: &base.plan,
-        lattice: &study.lattice,
-        obstacles: &obstacles,
-        graph: &graph,
-        rooms: &rooms,
-        room_of: &room_of,
-        is_query: &is_query,
-        shut: &shut,
-    };
-    let site = Site { present, axes: &base.axes, walls: &walls, is_kept: &is_kept };
-    let is_stopped = || cancel.check().is_err();
-    let found = works(&site, &is_stopped);
-    cancel.check()?;
-    then(&site, &found, &(sensed, known))
-}
-
-/// The list of what was found, and its picture.
-fn told(
+pub(crate) fn of_study(
     Job { input, settings }: Job<'_>,
     study: &Study,
-    (site, found, (sensed, known)): Sited<'_>,
     cancel: &Cancel,
 ) -> Result<Listed, Error> {
-    let (base, rooms) = (&study.base, site.present.rooms);
-    let listed = listed(&found.works);
-    let entries = entries(study, settings, site, &listed);
+    let floor = Floor::of(study, settings)?;
+    let found = floor.works(study, cancel)?;
+    let (base, site) = (&study.base, &floor.site(study));
+    let entries = entries(study, settings, site, &listed(&found.works));
     cancel.check()?;
     let single =
         entries.iter().find(|e| e.is_allowed && e.gain.get(VISIBILITY).is_some_and(|g| g.share > 0.0));
@@ -179,11 +174,11 @@ fn told(
         input: show::input(&base.plan, input),
         spacing_m: study.spacing_m,
         cells: study.lattice.cells.len(),
-        rooms: room_entries(rooms),
+        rooms: room_entries(&floor.rooms),
         best: BestEntry { single: single.map(|e| e.id), tried: found.tried, legal: found.legal },
         works: entries,
     };
-    let shown = show::check_picture(base, sensed, known);
+    let shown = show::check_picture(base, &floor.sensed, &floor.known);
     let walls = coloured(site, &found.works);
     let title = ("What an opening would bring", input.file());
     let picture = works_png(&shown, &walls, title, DEFAULT_SIDE_PX)?;

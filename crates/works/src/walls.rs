@@ -16,7 +16,7 @@ pub const JOINT_M: f64 = 0.1;
 /// Wall kept beside an opening or a free end: what carries a frame.
 pub const PIER_M: f64 = 0.3;
 /// How far from a face the room beside it is looked for: farther than a skirting, nearer than the next wall.
-const BESIDE_M: f64 = 0.25;
+pub const BESIDE_M: f64 = 0.25;
 /// How far a stretch reaches beyond the faces, so that lines drawn on them go with it: plaster and slips of the hand.
 pub const COVER_M: f64 = 0.02;
 

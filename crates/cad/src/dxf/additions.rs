@@ -331,30 +331,18 @@ pub(super) fn value_splice(tokens: &Tokens<'_>, index: usize, with: &[u8]) -> Sp
     Splice { start, end: start + value.len(), with: with.to_vec() }
 }
 
-/// Replaces a 16-bit count by itself plus `by`.
+/// Replaces a count by itself plus `by`.
 pub(super) fn count_splice(tokens: &Tokens<'_>, index: usize, by: i64) -> Option<Splice> {
     let pair = &tokens.pairs[index];
-    let count = (tokens.integer(pair)? + by).clamp(0, i16::MAX.into());
-    match tokens.form {
-        Form::Ascii => Some(value_splice(tokens, index, count.to_string().as_bytes())),
-        Form::Binary { .. } => {
-            let with = (count as i16).to_le_bytes().to_vec();
-            Some(Splice { start: pair.start as usize, end: pair.end as usize, with })
-        }
-    }
-}
-
-/// Replaces a 32-bit count by itself plus `by`.
-pub(super) fn count32_splice(tokens: &Tokens<'_>, index: usize, by: i64) -> Option<Splice> {
-    let pair = &tokens.pairs[index];
-    let count = tokens.integer(pair)? + by;
-    match tokens.form {
-        Form::Ascii => Some(value_splice(tokens, index, count.to_string().as_bytes())),
-        Form::Binary { .. } => {
-            let with = i32::try_from(count).ok()?.to_le_bytes().to_vec();
-            Some(Splice { start: pair.start as usize, end: pair.end as usize, with })
-        }
-    }
+    let is_wide = kind_of(pair.code) == Kind::Int32;
+    let most = if is_wide { i32::MAX.into() } else { i16::MAX.into() };
+    let count = (tokens.integer(pair)? + by).clamp(0, most);
+    let with = match tokens.form {
+        Form::Ascii => return Some(value_splice(tokens, index, count.to_string().as_bytes())),
+        Form::Binary { .. } if is_wide => (count as i32).to_le_bytes().to_vec(),
+        Form::Binary { .. } => (count as i16).to_le_bytes().to_vec(),
+    };
+    Some(Splice { start: pair.start as usize, end: pair.end as usize, with })
 }
 
 /// Handle of model space's block record: from the table, else what the entities say.

@@ -1,13 +1,17 @@
 //! Building works in a drawing: entities that end at an opening or go, and lines that are drawn with the properties of
 //! others.
 
+use std::ops::Range;
+
 use glam::DVec2;
 
-use super::additions::Writer;
-use super::fields::{Fields, constant_width, handle_of, lwpolyline_vertices, own_pairs, polyline_records};
+use super::additions::{Writer, count_splice, value_splice};
+use super::fields::{
+    Fields, attributes, constant_width, handle_of, lwpolyline_vertices, own_pairs, polyline_records,
+};
 use super::patch::Editor;
 use super::tokens::Tokens;
-use crate::drawing::{RigidMotion, Shape, Vertex};
+use crate::drawing::{EntityWork, RigidMotion, Shape, Vertex};
 use crate::own_layers::DEMOLISHED;
 use crate::splice::Splice;
 use enfilade_report::Error;
@@ -19,37 +23,38 @@ const LOOK: [i32; 9] = [67, 8, 6, 62, 370, 48, 420, 430, 440];
 const OF_VERTEX: [i32; 7] = [10, 20, 30, 40, 41, 42, 91];
 
 impl Editor<'_, '_> {
-    /// What stays of the entity: the first part in its own record, the others in new ones behind it. Nothing: it goes to
-    /// the layer of what is demolished.
-    pub(super) fn cut(
-        &mut self,
-        gone: &[DVec2; 4],
-        parts: &[Shape],
-        writer: &mut Writer<'_, '_>,
-    ) -> Result<(), Error> {
-        if matches!(self.tokens.name(self.record), b"HATCH" | b"SOLID" | b"TRACE") {
-            return self.refill(gone, writer);
+    /// Makes a building work on the entity.
+    pub(super) fn work(&mut self, work: &EntityWork, writer: &mut Writer<'_, '_>) -> Result<(), Error> {
+        match work {
+            EntityWork::Cut { parts } => self.cut(parts, writer),
+            EntityWork::Void { gone, .. } => self.refill(gone, writer),
+            EntityWork::Drop => self.drop(),
+            EntityWork::Copy { motion } => self.copy(motion, writer),
+            EntityWork::Build { shapes } => self.build(shapes, writer),
         }
-        let Some((first, others)) = parts.split_first() else { return self.drop() };
+    }
+
+    /// What stays of a line: the first part in its own record, the others in new ones behind it.
+    fn cut(&mut self, parts: &[Shape], writer: &mut Writer<'_, '_>) -> Result<(), Error> {
         let fields = Fields::of(self.tokens, self.record);
-        if [210, 220, 230].iter().any(|c| fields.index(*c).is_some()) && self.is_mirrored(&fields)? {
+        if self.is_mirrored(&fields)? {
             return Err(self.fault("it is drawn in a plane that is turned over"));
         }
-        match (self.tokens.name(self.record), first) {
-            (b"LINE", Shape::Line { .. }) => self.shape(first)?,
-            (b"LWPOLYLINE", Shape::Polyline { vertices, closed }) => {
+        match (self.tokens.name(self.record), parts) {
+            (b"LINE", [first @ Shape::Line { .. }, ..]) => self.shape(first)?,
+            (b"LWPOLYLINE", [Shape::Polyline { vertices, closed }, ..]) => {
                 self.vertices_anew(vertices, *closed, writer)?;
             }
-            (b"POLYLINE", Shape::Polyline { vertices, closed }) => {
+            (b"POLYLINE", [Shape::Polyline { vertices, closed }, ..]) => {
                 self.records_anew(&fields, vertices, *closed, writer)?;
             }
             _ => return Err(self.fault("it is no line that can be cut")),
         }
-        self.build(others, writer)
+        self.build(&parts[1..], writer)
     }
 
     /// New entities behind this one, with its properties.
-    pub(super) fn build(&mut self, shapes: &[Shape], writer: &mut Writer<'_, '_>) -> Result<(), Error> {
+    fn build(&mut self, shapes: &[Shape], writer: &mut Writer<'_, '_>) -> Result<(), Error> {
         for shape in shapes {
             let points = crate::curve::control_points(shape);
             self.listen(points)?;
@@ -62,16 +67,20 @@ impl Editor<'_, '_> {
                 Shape::Circle { .. } => return Err(self.fault("a circle is not drawn anew")),
             }
         }
-        let end = self.end();
-        let with = writer.take();
-        if !with.is_empty() {
-            self.out.push((self.record, Splice { start: end, end, with }));
-        }
+        self.put_behind(writer);
         Ok(())
     }
 
+    /// Puts what was written behind the entity.
+    pub(super) fn put_behind(&mut self, writer: &mut Writer<'_, '_>) {
+        let (at, with) = (self.tokens.record_start(self.records().end), writer.take());
+        if !with.is_empty() {
+            self.out.push((self.record, Splice { start: at, end: at, with }));
+        }
+    }
+
     /// Another INSERT of the same block, without attributes: they say what the first one is.
-    pub(super) fn copy(&mut self, motion: &RigidMotion, writer: &mut Writer<'_, '_>) -> Result<(), Error> {
+    fn copy(&mut self, motion: &RigidMotion, writer: &mut Writer<'_, '_>) -> Result<(), Error> {
         let fields = Fields::of(self.tokens, self.record);
         if self.tokens.name(self.record) != b"INSERT" {
             return Err(self.fault("it is no block"));
@@ -97,43 +106,37 @@ impl Editor<'_, '_> {
             }
         }
         writer.float(50, turned_deg.rem_euclid(360.0));
-        let (end, with) = (self.end(), writer.take());
-        self.out.push((self.record, Splice { start: end, end, with }));
+        self.put_behind(writer);
         Ok(())
     }
 
     /// To the layer of what is demolished, with all its records.
     pub(super) fn drop(&mut self) -> Result<(), Error> {
-        let last = match self.tokens.name(self.record) {
-            b"POLYLINE" => polyline_records(self.tokens, self.record).1,
-            b"INSERT" => super::fields::attributes(self.tokens, self.record).end,
-            _ => self.record + 1,
-        };
-        for record in self.record..last {
-            let Some(index) = Fields::of(self.tokens, record).index(8) else {
-                if record == self.record {
-                    return Err(self.fault("it has no layer to change"));
+        for record in self.records() {
+            match Fields::of(self.tokens, record).index(8) {
+                Some(index) => {
+                    let splice = value_splice(self.tokens, index, DEMOLISHED.as_bytes());
+                    self.out.push((record, splice));
                 }
-                continue;
-            };
-            let splice = super::additions::value_splice(self.tokens, index, DEMOLISHED.as_bytes());
-            self.out.push((record, splice));
+                None if record == self.record => return Err(self.fault("it has no layer to change")),
+                None => {}
+            }
         }
         Ok(())
     }
 
-    /// One past the last byte of the entity with all its records.
-    pub(super) fn end(&self) -> usize {
-        let next = match self.tokens.name(self.record) {
+    /// The entity with the vertices or attributes that belong to it.
+    fn records(&self) -> Range<usize> {
+        let end = match self.tokens.name(self.record) {
             b"POLYLINE" => polyline_records(self.tokens, self.record).1,
             b"INSERT" => {
-                let end = super::fields::attributes(self.tokens, self.record).end;
-                let is_end = end < self.tokens.records.len() && self.tokens.name(end) == b"SEQEND";
-                end + usize::from(is_end)
+                let end = attributes(self.tokens, self.record).end;
+                let has_end = end > self.record + 1 && end < self.tokens.records.len();
+                end + usize::from(has_end && self.tokens.name(end) == b"SEQEND")
             }
             _ => self.record + 1,
         };
-        self.tokens.record_start(next)
+        self.record..end
     }
 
     /// Replaces the vertices of an LWPOLYLINE.
@@ -155,28 +158,14 @@ impl Editor<'_, '_> {
         let slots = lwpolyline_vertices(self.tokens, self.record).len();
         let width = self.width_of_vertices(slots)?;
         let height = own.iter().find(|p| p.1 == 30).map(|p| self.tokens.raw(&self.tokens.pairs[p.0]));
-        for v in vertices {
-            writer.float(10, v.at.x);
-            writer.float(20, v.at.y);
-            if let Some(height) = height {
-                writer.raw(30, height);
-            }
-            if let Some(width) = width {
-                writer.float(40, width);
-                writer.float(41, width);
-            }
-            if v.bulge != 0.0 {
-                writer.float(42, v.bulge);
-            }
-        }
+        write_vertices(vertices, height, width, writer);
         let (start, end) = (self.tokens.pair_start(first), self.tokens.pair_start(last + 1));
         let with = writer.take();
         self.out.push((self.record, Splice { start, end, with }));
         let fields = Fields::of(self.tokens, self.record);
         let count = own.iter().find(|p| p.1 == 90).map(|p| p.0);
         let difference = vertices.len() as i64 - slots as i64;
-        if let Some(splice) = count.and_then(|i| super::additions::count32_splice(self.tokens, i, difference))
-        {
+        if let Some(splice) = count.and_then(|i| count_splice(self.tokens, i, difference)) {
             self.out.push((self.record, splice));
         }
         self.set_closed(&fields, is_closed);
@@ -227,7 +216,7 @@ impl Editor<'_, '_> {
         let flags = self.tokens.integer(&self.tokens.pairs[index]).unwrap_or(0);
         let new = flags & !1 | i64::from(is_closed);
         if new != flags
-            && let Some(splice) = super::additions::count_splice(self.tokens, index, new - flags)
+            && let Some(splice) = count_splice(self.tokens, index, new - flags)
         {
             self.out.push((self.record, splice));
         }
@@ -314,13 +303,7 @@ impl Editor<'_, '_> {
         if let Some(width) = width {
             writer.float(43, width);
         }
-        for v in vertices {
-            writer.float(10, v.at.x);
-            writer.float(20, v.at.y);
-            if v.bulge != 0.0 {
-                writer.float(42, v.bulge);
-            }
-        }
+        write_vertices(vertices, None, None, writer);
     }
 
     fn old_polyline_like(&self, vertices: &[Vertex], is_closed: bool, writer: &mut Writer<'_, '_>) {
@@ -370,6 +353,30 @@ impl Editor<'_, '_> {
         if !is_placed {
             writer.float(10, v.at.x);
             writer.float(20, v.at.y);
+        }
+        if v.bulge != 0.0 {
+            writer.float(42, v.bulge);
+        }
+    }
+}
+
+/// Vertices of an LWPOLYLINE; `height` as another one has it, drawing units.
+fn write_vertices(
+    vertices: &[Vertex],
+    height: Option<&[u8]>,
+    width: Option<f64>,
+    writer: &mut Writer<'_, '_>,
+) {
+    for v in vertices {
+        writer.float(10, v.at.x);
+        writer.float(20, v.at.y);
+        if let Some(height) = height {
+            writer.raw(30, height);
+        }
+        for code in [40, 41] {
+            if let Some(width) = width {
+                writer.float(code, width);
+            }
         }
         if v.bulge != 0.0 {
             writer.float(42, v.bulge);

@@ -8,7 +8,7 @@ use super::entity::{Body, Item};
 use super::reader::Reader;
 use super::sheet::is_regular;
 use crate::curve::control_points;
-use crate::drawing::{RigidMotion, Shape, Vertex};
+use crate::drawing::{EntityWork, RigidMotion, Shape, Vertex};
 
 /// Differences below this many rounding steps of the largest coordinate are what going there and back leaves.
 const BACK_STEPS: f64 = 32.0;
@@ -67,8 +67,23 @@ impl Place {
         }
     }
 
+    /// A building work in model space as one in the definition; `None` where something would have to be stretched.
+    pub fn work_back(&self, work: &EntityWork) -> Option<EntityWork> {
+        let all = |shapes: &[Shape]| shapes.iter().map(|s| self.new_back(s)).collect::<Option<Vec<_>>>();
+        Some(match work {
+            EntityWork::Cut { parts } => EntityWork::Cut { parts: all(parts)? },
+            EntityWork::Build { shapes } => EntityWork::Build { shapes: all(shapes)? },
+            EntityWork::Copy { motion } => EntityWork::Copy { motion: self.motion_back(motion)? },
+            EntityWork::Void { gone, filling } => {
+                let back = self.map.inverse();
+                EntityWork::Void { gone: gone.map(|p| back.transform_point2(p)), filling: *filling }
+            }
+            EntityWork::Drop => EntityWork::Drop,
+        })
+    }
+
     /// A line of model space, newly drawn, as one of the definition; `None` of an arc that would have to be stretched.
-    pub fn new_back(&self, new: &Shape) -> Option<Shape> {
+    fn new_back(&self, new: &Shape) -> Option<Shape> {
         let back = self.map.inverse();
         match new {
             Shape::Arc { .. } | Shape::Circle { .. } if similarity(&self.map).is_none() => None,

@@ -54,8 +54,7 @@ pub fn patch(file: &str, bytes: &[u8], edits: &[Edit], additions: &[Addition]) -
         return Ok(bytes.to_vec());
     }
     let tokens = tokens_of(file, bytes)?;
-    let is_drawn = !additions.is_empty() || edits.iter().any(Edit::is_work);
-    let mut writer = is_drawn.then(|| Writer::for_file(file, &tokens)).transpose()?;
+    let mut writer = writer_for(file, &tokens, edits, additions)?;
     let mut splices: Vec<Splice> =
         edit_splices(file, &tokens, edits, writer.as_mut())?.into_iter().flatten().map(|(_, s)| s).collect();
     if let Some(writer) = writer {
@@ -71,8 +70,7 @@ pub fn patch(file: &str, bytes: &[u8], edits: &[Edit], additions: &[Addition]) -
 /// As [`patch`].
 pub fn changed_records(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<Vec<ChangedRecord>>, Error> {
     let tokens = tokens_of(file, bytes)?;
-    let mut writer =
-        if edits.iter().any(Edit::is_work) { Some(Writer::for_file(file, &tokens)?) } else { None };
+    let mut writer = writer_for(file, &tokens, edits, &[])?;
     let splices = edit_splices(file, &tokens, edits, writer.as_mut())?;
     let named = |splices: Vec<(usize, Splice)>| {
         let mut records: Vec<usize> = splices.into_iter().map(|(record, _)| record).collect();
@@ -83,6 +81,17 @@ pub fn changed_records(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<V
             .collect()
     };
     Ok(splices.into_iter().map(named).collect())
+}
+
+/// A writer where anything is drawn.
+fn writer_for<'t, 'a>(
+    file: &str,
+    tokens: &'t Tokens<'a>,
+    edits: &[Edit],
+    additions: &[Addition],
+) -> Result<Option<Writer<'t, 'a>>, Error> {
+    let is_drawn = !additions.is_empty() || edits.iter().any(Edit::is_work);
+    is_drawn.then(|| Writer::for_file(file, tokens)).transpose()
 }
 
 /// The pairs of a file that is to be written.
@@ -116,18 +125,10 @@ fn edit_splices<'t, 'a>(
                 Edit::Insert { motion, .. } => editor.insert(motion)?,
                 Edit::Points { points, .. } => editor.points(points)?,
                 Edit::Ends { .. } => return Err(editor.fault("no entity has ends of its own to move")),
-                Edit::Drop { .. } => editor.drop()?,
-                Edit::Cut { .. } | Edit::Build { .. } | Edit::Copy { .. } => {
-                    let Some(writer) = writer.as_deref_mut() else {
-                        return Err(editor.fault("nothing can be drawn here"));
-                    };
-                    match edit {
-                        Edit::Cut { gone, parts, .. } => editor.cut(gone, parts, writer)?,
-                        Edit::Build { shapes, .. } => editor.build(shapes, writer)?,
-                        Edit::Copy { motion, .. } => editor.copy(motion, writer)?,
-                        _ => {}
-                    }
-                }
+                Edit::Work { work, .. } => match writer.as_deref_mut() {
+                    Some(writer) => editor.work(work, writer)?,
+                    None => return Err(editor.fault("nothing can be drawn here")),
+                },
             }
             Ok(editor.out)
         })
@@ -156,7 +157,6 @@ fn definition_edits<'e>(
         let editor = Editor { file, tokens, record, noise: 0.0, out: Vec::new() };
         let place = Placed::of(&mut reader, &blocks, record);
         let place = place.ok_or_else(|| editor.fault("no entity stands there that is shown exactly once"))?;
-        let back = |shapes: &[Shape]| shapes.iter().map(|s| place.new_back(s)).collect::<Option<Vec<_>>>();
         let changed = match edit {
             Edit::Shape { shape, .. } => {
                 let drawn = Placed::drawn(&mut reader, record);
@@ -170,21 +170,11 @@ fn definition_edits<'e>(
                     motion.ok_or_else(|| editor.fault("what shows it stretches it: it does not turn"))?;
                 Edit::Insert { record, motion }
             }
-            Edit::Cut { gone, parts, filling, .. } => {
-                let filling = *filling;
-                let parts = back(parts).ok_or_else(|| editor.fault("what shows it stretches it"))?;
-                Edit::Cut { record, gone: *gone, parts, filling }
+            Edit::Work { work, .. } => {
+                let work = place.work_back(work).ok_or_else(|| editor.fault("what shows it stretches it"))?;
+                Edit::Work { record, work }
             }
-            Edit::Build { shapes, .. } => {
-                let shapes = back(shapes).ok_or_else(|| editor.fault("what shows it stretches it"))?;
-                Edit::Build { record, shapes }
-            }
-            Edit::Copy { motion, .. } => {
-                let motion = place.motion_back(motion);
-                let motion = motion.ok_or_else(|| editor.fault("what shows it stretches it"))?;
-                Edit::Copy { record, motion }
-            }
-            Edit::Ends { .. } | Edit::Points { .. } | Edit::Drop { .. } => edit.clone(),
+            Edit::Ends { .. } | Edit::Points { .. } => edit.clone(),
         };
         Ok(changed)
     };

@@ -20,10 +20,10 @@ use crate::roles::{Role, role_by_name};
 const ON_SHARE: f64 = 1e-4;
 
 /// Most pieces of the outlines of a HATCH that goes along: beyond them it is a picture.
-const PIECES_MAX: usize = 4096;
+pub(super) const PIECES_MAX: usize = 4096;
 
 /// Kinds of filled areas.
-const FILLS: [&[u8]; 3] = [b"HATCH", b"SOLID", b"TRACE"];
+pub(super) const FILLS: [&[u8]; 3] = [b"HATCH", b"SOLID", b"TRACE"];
 
 /// Corners of a closed polyline on faces that moved that make it the outline of a room.
 const CORNERS_LEFT_MIN: usize = 2;
@@ -408,12 +408,7 @@ impl Ground {
                 Edit::Insert { motion, .. } => {
                     shown.for_each(|e| ground.add(&e.shape, &carried(&e.shape, motion)))
                 }
-                Edit::Ends { .. }
-                | Edit::Points { .. }
-                | Edit::Cut { .. }
-                | Edit::Drop { .. }
-                | Edit::Copy { .. }
-                | Edit::Build { .. } => {}
+                Edit::Ends { .. } | Edit::Points { .. } | Edit::Work { .. } => {}
             }
         }
         ground

@@ -10,13 +10,12 @@ use super::boundary::{Piece, boundary, quad};
 use super::fields::{Fields, own_pairs};
 use super::header::Header;
 use super::patch::{Editor, tokens_of};
+use super::poche::{FILLS, PIECES_MAX};
 use super::tokens::Tokens;
 use crate::own_layers::is_own;
 use crate::splice::Splice;
 use enfilade_report::Error;
 
-/// Most corners of a fill that is cut: beyond them it is a picture.
-const CORNERS_MAX: usize = 4096;
 /// Flags of an outline: the outer one, a polyline.
 const OUTLINE_FLAGS: i32 = 3;
 
@@ -29,21 +28,21 @@ pub struct Probe {
     pub beside: [DVec2; 2],
 }
 
-/// Records of the filled areas of model space that fill a wall at one of the places.
+/// Records of the filled areas of model space with straight sides that fill a wall at a place.
 ///
 /// # Errors
 /// As [`patch`](super::patch::patch).
-pub fn fills_at(file: &str, bytes: &[u8], probes: &[Probe]) -> Result<Vec<usize>, Error> {
+pub fn fills_at(file: &str, bytes: &[u8], at: Probe) -> Result<Vec<usize>, Error> {
     let tokens = &tokens_of(file, bytes)?;
     let page = Header::read(tokens).page(tokens);
-    let is_fill = |r: &usize| matches!(tokens.name(*r), b"HATCH" | b"SOLID" | b"TRACE");
+    let is_fill = |r: &usize| FILLS.contains(&tokens.name(*r));
     let is_foreign = |r: &usize| {
         let fields = Fields::of(tokens, *r);
         fields.index(67).is_none() && !fields.value(8).is_some_and(|l| is_own(&page.decode(l)))
     };
     let fills = |r: &usize| {
         let Some(rings) = rings(tokens, *r) else { return false };
-        probes.iter().any(|p| holds(&rings, p.inside) && !p.beside.iter().any(|b| holds(&rings, *b)))
+        holds(&rings, at.inside) && !at.beside.iter().any(|b| holds(&rings, *b))
     };
     Ok(tokens
         .section(b"ENTITIES")
@@ -61,7 +60,7 @@ fn rings(tokens: &Tokens<'_>, record: usize) -> Option<Vec<Vec<[f64; 2]>>> {
         ring.dedup();
         return (ring.len() > 2).then_some(vec![ring]);
     }
-    let found = boundary(tokens, record, CORNERS_MAX)?;
+    let found = boundary(tokens, record, PIECES_MAX)?;
     let corner = |piece: &Piece| match *piece {
         Piece::Corner { at, bulge } => at.point(tokens).filter(|_| bulge == 0.0),
         Piece::Line { start, .. } => start.point(tokens),
@@ -87,6 +86,9 @@ fn holds(rings: &[Vec<[f64; 2]>], p: DVec2) -> bool {
 impl Editor<'_, '_> {
     /// What stays of a filled area outside a stretch; nothing: it goes to the layer of what is demolished.
     pub(super) fn refill(&mut self, gone: &[DVec2; 4], writer: &mut Writer<'_, '_>) -> Result<(), Error> {
+        if !FILLS.contains(&self.tokens.name(self.record)) {
+            return Err(self.fault("it is no filled area"));
+        }
         let fields = Fields::of(self.tokens, self.record);
         if self.is_mirrored(&fields)? {
             return Err(self.fault("it is drawn in a plane that is turned over"));
@@ -158,8 +160,7 @@ impl Editor<'_, '_> {
                 writer.float(30 + k as i32, 0.0);
             }
         }
-        let (at, with) = (self.end(), writer.take());
-        self.out.push((self.record, Splice { start: at, end: at, with }));
+        self.put_behind(writer);
         Ok(())
     }
 }

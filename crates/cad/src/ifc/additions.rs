@@ -51,12 +51,7 @@ pub(super) fn text(
         told.entry(id).or_default().extend(match edit {
             Edit::Insert { motion, .. } => writer.moved(id, motion),
             Edit::Ends { by, .. } => lengthened(*by),
-            Edit::Shape { .. }
-            | Edit::Points { .. }
-            | Edit::Cut { .. }
-            | Edit::Drop { .. }
-            | Edit::Copy { .. }
-            | Edit::Build { .. } => Vec::new(),
+            Edit::Shape { .. } | Edit::Points { .. } | Edit::Work { .. } => Vec::new(),
         });
     }
     for (id, names) in figures {

@@ -114,12 +114,7 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
                 let (products, figures) = (length::grows(self.b, id), length::figures(self.b, id));
                 return Ok(Moved { products, figures, ..Moved::default() });
             }
-            Edit::Shape { .. }
-            | Edit::Points { .. }
-            | Edit::Cut { .. }
-            | Edit::Drop { .. }
-            | Edit::Copy { .. }
-            | Edit::Build { .. } => {
+            Edit::Shape { .. } | Edit::Points { .. } | Edit::Work { .. } => {
                 return Err(self.fault(id, "an element of a building moves as a whole"));
             }
         };

@@ -103,12 +103,7 @@ fn walls<'b>(b: &'b Building<'_, '_>, edits: &[Edit], tails: &Tails) -> Vec<Wall
         match edit {
             Edit::Insert { motion, .. } => one.0 = Some(*motion),
             Edit::Ends { by, .. } => one.1 = *by,
-            Edit::Shape { .. }
-            | Edit::Points { .. }
-            | Edit::Cut { .. }
-            | Edit::Drop { .. }
-            | Edit::Copy { .. }
-            | Edit::Build { .. } => {}
+            Edit::Shape { .. } | Edit::Points { .. } | Edit::Work { .. } => {}
         }
     }
     found.extend(tails.values().flatten().map(|t| (t.id, (None, t.by))));

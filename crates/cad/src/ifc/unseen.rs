@@ -252,12 +252,7 @@ fn ways(edits: &[Edit]) -> Ways {
         match edit {
             Edit::Insert { motion: by, .. } => *motion = *by,
             Edit::Ends { by, .. } => *ends = *by,
-            Edit::Shape { .. }
-            | Edit::Points { .. }
-            | Edit::Cut { .. }
-            | Edit::Drop { .. }
-            | Edit::Copy { .. }
-            | Edit::Build { .. } => {}
+            Edit::Shape { .. } | Edit::Points { .. } | Edit::Work { .. } => {}
         }
     }
     out

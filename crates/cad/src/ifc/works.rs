@@ -7,17 +7,16 @@ use super::additions::{Writer, refs};
 use super::building::Building;
 use super::number::real;
 use super::standing::reach;
-use crate::drawing::{Edit, Filling, Shape};
+use crate::drawing::{Edit, EntityWork, Filling, Shape};
 use crate::step_text::encode;
 use enfilade_report::{Error, Place, Report};
 
 /// Height of an opening above the floor, metres: that of a door (DIN 18100: 2.125 and less).
 const OPENING_HEIGHT_M: f64 = 2.1;
-/// Thickness of a leaf or a pane, metres.
+/// Thickness of a leaf or a pane, metres: that of an inner door (DIN 68706-1: 39 to 42 mm).
 const LEAF_M: f64 = 0.04;
-/// Height of a new wall where none is known beside it, metres: that of a room.
-const WALL_HEIGHT_M: f64 = 2.5;
-/// How far below the floor of the storey it begins, metres: walls stand on the slab, floors on a screed.
+/// How far below the floor of the storey it begins, metres: walls stand on the slab, and floors on a screed on its
+/// insulation (DIN 18560-2: 45 mm and more, on 20 to 50).
 const BELOW_FLOOR_M: f64 = 0.1;
 
 /// Instances that make the works of some edits; the others are left to their own. The next free number follows.
@@ -36,28 +35,32 @@ pub(super) fn text(
     let storey = b.storey(options.storey.as_deref(), options.sight, &mut Report::default())?;
     let mut writer = Writer::new(b, next, storey.map_or(0.0, |s| s.floor));
     for edit in edits {
-        let id = edit.record() as u64;
+        let Edit::Work { record, work } = edit else { continue };
+        let id = *record as u64;
         let fault = |why: &str| {
             let line = b.step.get(id).map(|i| b.step.line(i.span.start));
             let place = Place { file: b.file.into(), line, entity: b.geo.named(id) };
             Error::input("ifc-edit", place, format!("{why}; nothing was written"))
         };
-        if edit.is_work() && b.step.get(id).is_none() {
+        if b.step.get(id).is_none() {
             return Err(fault("found no such element, expected a wall"));
         }
-        match edit {
-            Edit::Cut { gone, filling, .. } => {
+        match work {
+            EntityWork::Void { gone, filling } => {
                 let opening = writer.opening(id, gone, *filling);
                 writer.filled(opening, gone, *filling, storey.map(|s| s.id));
             }
-            Edit::Drop { .. } => writer.demolished(id),
-            Edit::Copy { .. } => return Err(fault("an element of a building is not copied")),
-            Edit::Build { shapes, .. } => {
-                let rings: Option<Vec<Vec<DVec2>>> = shapes.iter().map(ring).collect();
-                let rings = rings.ok_or_else(|| fault("a new wall has no body"))?;
-                rings.iter().for_each(|ring| writer.wall(id, ring, storey.map(|s| s.id)));
+            EntityWork::Drop => writer.demolished(id),
+            EntityWork::Build { shapes } => {
+                let heights = reach(b, id).ok_or_else(|| fault("it has no height for a new wall"))?;
+                for shape in shapes {
+                    let ring = ring(shape).ok_or_else(|| fault("a new wall has no outline"))?;
+                    writer.wall(id, (&ring, heights), storey.map(|s| s.id));
+                }
             }
-            _ => {}
+            EntityWork::Cut { .. } | EntityWork::Copy { .. } => {
+                return Err(fault("an element of a building has no lines"));
+            }
         }
     }
     Ok(writer.into_parts())
@@ -143,8 +146,7 @@ impl Writer<'_, '_, '_> {
     }
 
     /// A wall as high as another, of its material.
-    fn wall(&mut self, like: u64, ring: &[DVec2], storey: Option<u64>) {
-        let heights = reach(self.b, like).unwrap_or([0.0, WALL_HEIGHT_M].map(|m| self.above(m)));
+    fn wall(&mut self, like: u64, (ring, heights): (&[DVec2], [f64; 2]), storey: Option<u64>) {
         let [placement, shape] = self.body(ring, heights);
         let (history, last) = (self.history.clone(), if self.is_old() { "" } else { ",$" });
         let gid = self.global_id("wall");

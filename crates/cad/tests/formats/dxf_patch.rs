@@ -100,7 +100,7 @@ pub(crate) fn variants() -> Vec<(String, Vec<u8>)> {
     out
 }
 
-fn distance(a: &Shape, b: &Shape) -> f64 {
+pub(crate) fn distance(a: &Shape, b: &Shape) -> f64 {
     let angle = |x: f64, y: f64| ((x - y) / 2.0).sin().abs();
     match (a, b) {
         (Shape::Line { a, b }, Shape::Line { a: c, b: d }) => a.distance(*c).max(b.distance(*d)),

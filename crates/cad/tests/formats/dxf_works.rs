@@ -2,9 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper fails the test")]
 
-use crate::dxf_patch::{ascii, pairs, variants};
-use crate::support::read_whole;
-use enfilade_cad::drawing::{Addition, Drawing, Edit, Entity, Filling, Mark, Shape, Vertex};
+use crate::dxf_patch::{ascii, distance, pairs, variants};
+use crate::support::{moved_shape, read_whole};
+use enfilade_cad::drawing::{
+    Addition, Drawing, Edit, Entity, EntityWork, Filling, Mark, RigidMotion, Shape, Vertex,
+};
 use enfilade_cad::dxf::{Completeness, Probe, fills_at, is_complete, patch};
 use enfilade_cad::own_layers::DEMOLISHED;
 use glam::DVec2;
@@ -22,6 +24,14 @@ fn quad(a: DVec2, b: DVec2) -> [DVec2; 4] {
     [a, at(b.x, a.y), b, at(a.x, b.y)]
 }
 
+fn work(record: usize, work: EntityWork) -> Edit {
+    Edit::Work { record, work }
+}
+
+fn void(record: usize, gone: [DVec2; 4]) -> Edit {
+    work(record, EntityWork::Void { gone, filling: Filling::Gone })
+}
+
 /// Cuts, drops and builds of one drawing, by the kind and place of its entities.
 fn edits(drawing: &Drawing) -> Vec<Edit> {
     let record =
@@ -30,7 +40,6 @@ fn edits(drawing: &Drawing) -> Vec<Edit> {
     let lightweight = record(&|e| e.source.kind == "LWPOLYLINE");
     let old = record(&|e| e.source.kind == "POLYLINE");
     let arc = record(&|e| e.source.kind == "ARC");
-    let gone = quad(at(2.0, -2.0), at(3.0, 1.0));
     let two = vec![
         Shape::Line { a: at(1.5, -2.0), b: at(2.0, -1.6) },
         Shape::Line { a: at(3.0, -0.9), b: at(4.25, 0.1) },
@@ -38,11 +47,11 @@ fn edits(drawing: &Drawing) -> Vec<Edit> {
     let chains = vec![open(&[at(0.0, 0.0), at(3.0, 0.0)]), open(&[at(3.0, 1.5), at(3.0, 2.0), at(0.0, 0.0)])];
     let halves = vec![open(&[at(5.0, 5.0), at(5.25, 5.0)]), open(&[at(5.75, 5.0), at(6.0, 5.0)])];
     vec![
-        Edit::Cut { record: line, gone, parts: two, filling: Filling::Nothing },
-        Edit::Cut { record: lightweight, gone, parts: chains, filling: Filling::Nothing },
-        Edit::Cut { record: old, gone, parts: halves, filling: Filling::Nothing },
-        Edit::Drop { record: arc },
-        Edit::Build { record: line, shapes: vec![Shape::Line { a: at(2.0, -1.6), b: at(2.1, -1.5) }] },
+        work(line, EntityWork::Cut { parts: two }),
+        work(lightweight, EntityWork::Cut { parts: chains }),
+        work(old, EntityWork::Cut { parts: halves }),
+        work(arc, EntityWork::Drop),
+        work(line, EntityWork::Build { shapes: vec![Shape::Line { a: at(2.0, -1.6), b: at(2.1, -1.5) }] }),
     ]
 }
 
@@ -66,8 +75,8 @@ fn what_stays_is_as_it_was_and_what_is_new_is_alike() {
         };
         for edit in &edits {
             let wanted: &[Shape] = match edit {
-                Edit::Cut { parts, .. } => parts,
-                Edit::Build { shapes, .. } => shapes,
+                Edit::Work { work: EntityWork::Cut { parts }, .. } => parts,
+                Edit::Work { work: EntityWork::Build { shapes }, .. } => shapes,
                 _ => continue,
             };
             for shape in wanted {
@@ -108,26 +117,35 @@ fn what_fills_a_wall_ends_at_its_opening_and_a_floor_does_not() {
     let head = "0|SECTION|2|HEADER|9|$ACADVER|1|AC1015|9|$INSUNITS|70|6|9|$HANDSEED|5|C0|0|ENDSEC|0|SECTION|2|ENTITIES|";
     let bytes = ascii(&pairs(&format!("{head}{wall}{floor}{solid}0|ENDSEC|0|EOF")), "\n");
     let probe = Probe { inside: at(2.5, 0.1), beside: [at(2.5, -0.15), at(2.5, 0.35)] };
-    let found = fills_at("plan.dxf", &bytes, &[probe]).unwrap();
+    let found = fills_at("plan.dxf", &bytes, probe).unwrap();
     assert_eq!(found.len(), 2, "the wall's hatch and its solid");
     let gone = quad(at(2.0, -0.02), at(3.0, 0.22));
-    let cuts: Vec<Edit> = found
-        .iter()
-        .map(|r| Edit::Cut { record: *r, gone, parts: Vec::new(), filling: Filling::Nothing })
-        .collect();
+    let cuts: Vec<Edit> = found.iter().map(|r| void(*r, gone)).collect();
     let written = patch("plan.dxf", &bytes, &cuts, &[outline()]).unwrap();
     let inside = |x: f64| {
         let probe = Probe { inside: at(x, 0.1), beside: [at(x, -0.15), at(x, 0.35)] };
-        fills_at("plan.dxf", &written, &[probe]).unwrap().len()
+        fills_at("plan.dxf", &written, probe).unwrap().len()
     };
     assert_eq!([0.5, 1.9, 2.1, 2.9, 3.1, 4.5].map(inside), [2, 2, 0, 0, 2, 2]);
     // Nothing left of it: it goes as a whole.
     let all = quad(at(-1.0, -1.0), at(6.0, 1.0));
-    let gone = patch(
-        "plan.dxf",
-        &bytes,
-        &[Edit::Cut { record: found[0], gone: all, parts: Vec::new(), filling: Filling::Nothing }],
-        &[],
-    );
+    let gone = patch("plan.dxf", &bytes, &[void(found[0], all)], &[]);
     assert!(String::from_utf8(gone.unwrap()).unwrap().contains(DEMOLISHED));
+}
+
+/// Another one of a block stands where the first one would after the motion, without its attributes.
+#[test]
+fn a_block_is_shown_once_more() {
+    let motion = RigidMotion { turn_rad: 0.5, shift: at(3.0, -1.0) };
+    for (name, bytes) in variants() {
+        let (before, _) = read_whole(&name, &bytes);
+        let is_block = |e: &&Entity| e.source.kind == "INSERT" || !e.blocks.is_empty();
+        let first = before.entities.iter().find(is_block).unwrap();
+        let copy = work(first.source.record, EntityWork::Copy { motion });
+        let written = patch(&name, &bytes, &[copy], &[]).unwrap();
+        let (after, _) = read_whole(&name, &written);
+        assert_eq!(after.entities.len(), before.entities.len() + 1, "{name}");
+        let wanted = moved_shape(&first.shape, &motion);
+        assert!(after.entities.iter().any(|e| distance(&e.shape, &wanted) < 1e-9), "{name}: {wanted:?}");
+    }
 }

@@ -10,6 +10,7 @@ use crate::search::judged::is_firm;
 use enfilade_config::{Method, Settings};
 use enfilade_overlay::measure::{fixed, sentence_case, trimmed};
 use enfilade_overlay::words::listed;
+use enfilade_overlay::works::LEAST_SHOWN;
 use enfilade_report::counted;
 
 /// That nothing measured is better, and what would be called so: the best may well gain less than that.
@@ -50,13 +51,10 @@ pub(crate) fn nothing_returned(
     )
 }
 
-/// Less is not offered: the list of building works begins there too.
-const TRIFLE: f64 = 0.005;
-
 /// How to take the best layout and see others like it, where it surely gains more than a trifle, in tenths of a per cent.
 pub(crate) fn smaller_gain(share: f64) -> String {
     match (share * 1000.0).floor() / 10.0 {
-        percent if share >= TRIFLE && percent.is_finite() => format!(
+        percent if share >= LEAST_SHOWN && percent.is_finite() => format!(
             " The best layout found surely gains {percent} %: `accept FILE best` takes it. `--least-gain {percent}%` shows \
              others like it."
         ),

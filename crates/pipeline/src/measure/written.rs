@@ -130,7 +130,7 @@ fn meant_shapes<'a>(plan: &'a Plan, layout: &'a Layout) -> BTreeMap<u32, &'a Sha
 }
 
 /// Corners nearer than this are the same one, micrometres.
-const SAME_CORNER_UM: f64 = 1_000.0;
+pub(crate) const SAME_CORNER_UM: f64 = 1_000.0;
 
 /// A shape as written where its corners are those that were meant, one by one, else the shape that was meant:
 /// the cut through a turned mesh may start at another corner, or have one more on a straight face.

@@ -1,105 +1,100 @@
-//! The leaf of a new door and the panes of new glass, drawn as the drawing's own are.
+//! The leaf of a new door and the pane of new glass, drawn as the drawing's own are.
 
 use std::collections::BTreeSet;
 
 use glam::DVec2;
 
 use crate::understand::understood::Understood;
-use enfilade_cad::drawing::{Drawing, Edit, Editable, RigidMotion, Shape};
+use enfilade_cad::drawing::{Drawing, Edit, Editable, Entity, EntityWork, RigidMotion, Shape};
+use enfilade_plan::Plan;
 use enfilade_plan::axes::{Opening, OpeningKind};
-use enfilade_works::Work;
 use enfilade_works::walls::Wall;
+use enfilade_works::{Work, WorkKind};
 
-/// Panes lie so far from the axis, as a share of the thickness.
-const PANE_SHARE: f64 = 1.0 / 6.0;
+/// A block fits an opening of which neither width nor thickness differs by more, metres of a person: a tenth of the step of
+/// places ([`STEP_M`](enfilade_works::counts::STEP_M)).
+const FITS_M: f64 = enfilade_works::counts::STEP_M / 10.0;
 
-/// An entity that shows such an opening, a line or a block: what is drawn anew has its layer and its looks.
-fn like(base: &Understood, drawing: &Drawing, kind: OpeningKind) -> Option<usize> {
-    let of = |o: &Opening| {
-        let marks = o.marks.iter().filter_map(|m| drawing.entities.get(*base.marked.get(*m as usize)?));
-        let mut shown = marks.filter(|e| !matches!(e.editable, Editable::No(_)));
-        shown.next().map(|e| e.source.record)
-    };
-    base.axes.openings.iter().filter(|o| o.kind == kind).find_map(of)
+/// What draws an opening: leaves, swings, frames, panes.
+pub(super) fn shown<'a>(
+    base: &'a Understood,
+    drawing: &'a Drawing,
+    opening: &'a Opening,
+) -> impl Iterator<Item = &'a Entity> {
+    let entity = |m: &u32| base.marked.get(*m as usize).and_then(|e| drawing.entities.get(*e));
+    opening.marks.iter().filter_map(entity)
 }
 
-/// A block fits where width and thickness differ by no more, metres of a person.
-const FITS_M: f64 = 0.01;
+/// The leaf or the pane of a work that has one; `None` where the drawing shows no door or window whose like could be drawn.
+pub(super) fn fitting(base: &Understood, drawing: &Drawing, walls: &[Wall], work: &Work) -> Option<Edit> {
+    let kind = match work.kind {
+        WorkKind::Door | WorkKind::Rehang => OpeningKind::Door,
+        WorkKind::Glaze => OpeningKind::Window,
+        _ => return None,
+    };
+    let wall = walls.get(work.walls.first()?.0)?;
+    let own = base.axes.openings.iter().filter(|o| o.kind == kind);
+    let block = own.clone().find_map(|o| block(base, drawing, (wall, work), o));
+    let (record, work) = block.or_else(|| {
+        let writable = |e: &&Entity| !matches!(e.editable, Editable::No(_));
+        let like = own.clone().find_map(|o| shown(base, drawing, o).find(writable))?;
+        let shapes = match kind {
+            OpeningKind::Door => leaf(&base.plan, wall, work)?,
+            _ => vec![pane(&base.plan, work)],
+        };
+        Some((like.source.record, EntityWork::Build { shapes }))
+    })?;
+    Some(Edit::Work { record, work })
+}
 
-/// The drawing's own block of a door or a window of the same width in a wall as thick, as it would stand in a new opening;
-/// `None` where it has none.
+/// The block that shows an opening of the same width in a wall as thick, as it would stand in the new one.
 fn block(
     base: &Understood,
     drawing: &Drawing,
     (wall, work): (&Wall, &Work),
-    kind: OpeningKind,
-) -> Option<Edit> {
+    of: &Opening,
+) -> Option<(usize, EntityWork)> {
     let (plan, scale) = (&base.plan, base.plan.human_scale);
     let [p, q] = work.stretch;
     let is_near = |a: f64, b: f64| (a - b).abs() <= FITS_M * scale;
-    let fits = |o: &&Opening| {
-        o.kind == kind
-            && is_near(o.width_m * scale, p.distance(q))
-            && is_near(o.thickness_m * scale, wall.thickness_m)
-    };
-    let of = |o: &Opening| {
-        let entities = o.marks.iter().filter_map(|m| drawing.entities.get(*base.marked.get(*m as usize)?));
-        let records: BTreeSet<usize> = entities
-            .filter(|e| e.editable == Editable::WithInsert { turnable: true })
-            .map(|e| e.source.record)
-            .collect();
-        // One block shows the whole of it.
-        let (Some(record), true) = (records.first(), records.len() == 1) else { return None };
-        let [a, b] = o.jambs.map(|j| plan.frame.file_from_plan(j.at * scale));
-        let [c, d] = [p, q].map(|x| plan.frame.file_from_plan(x));
-        let turn_rad = (b - a).angle_to(d - c);
-        let shift = (c + d) / 2.0 - DVec2::from_angle(turn_rad).rotate((a + b) / 2.0);
-        Some(Edit::Copy { record: *record, motion: RigidMotion { turn_rad, shift } })
-    };
-    base.axes.openings.iter().filter(fits).find_map(of)
+    if !is_near(of.width_m * scale, p.distance(q)) || !is_near(of.thickness_m * scale, wall.thickness_m) {
+        return None;
+    }
+    let records: BTreeSet<usize> = shown(base, drawing, of)
+        .filter(|e| e.editable == Editable::WithInsert { turnable: true })
+        .map(|e| e.source.record)
+        .collect();
+    // One block shows the whole of it.
+    let (Some(record), 1) = (records.first(), records.len()) else { return None };
+    let [a, b] = of.jambs.map(|j| plan.frame.file_from_plan(j.at * scale));
+    let [c, d] = [p, q].map(|x| plan.frame.file_from_plan(x));
+    let turn_rad = (b - a).angle_to(d - c);
+    let shift = (c + d) / 2.0 - DVec2::from_angle(turn_rad).rotate((a + b) / 2.0);
+    Some((*record, EntityWork::Copy { motion: RigidMotion { turn_rad, shift } }))
 }
 
-/// The leaf of a new door with its swing; `None` where the drawing has no door drawn so.
-pub(super) fn leaf(base: &Understood, drawing: &Drawing, walls: &[Wall], work: &Work) -> Option<Edit> {
-    let wall = walls.get(work.walls.first()?.0)?;
-    if let Some(own) = block(base, drawing, (wall, work), OpeningKind::Door) {
-        return Some(own);
-    }
-    let record = like(base, drawing, OpeningKind::Door)?;
+/// A leaf that stands open at a right angle, and its swing.
+fn leaf(plan: &Plan, wall: &Wall, work: &Work) -> Option<Vec<Shape>> {
     let [p, q] = work.stretch;
     let along = (q - p).try_normalize()?;
     // Hung on the jamb nearer to the wall's end: open, the leaf lies before a wall.
     let from_start = |x: DVec2| (x - wall.at).dot(wall.along);
     let near = |x: DVec2| from_start(x).min(wall.length_m - from_start(x));
     let (hinge, to_lock) = if near(p) <= near(q) { (p, along) } else { (q, -along) };
-    // Into a room rather than into what leads to it: the smaller side of the two is passed through.
-    let side = if work.rooms[0].is_some() || work.rooms[1].is_none() { -1.0 } else { 1.0 };
+    // Into the room on the right of the wall, where there is one.
+    let side = if work.rooms[0].is_some() { -1.0 } else { 1.0 };
     let into = wall.along.perp() * side;
     let at = hinge + into * (wall.thickness_m / 2.0);
-    let width = p.distance(q);
-    let frame = &base.plan.frame;
-    let [centre, tip] = [at, at + into * width].map(|x| frame.file_from_plan(x));
-    let radius = centre.distance(tip);
+    let [centre, tip] = [at, at + into * p.distance(q)].map(|x| plan.frame.file_from_plan(x));
     let [open, shut] = [into, to_lock].map(|d| d.y.atan2(d.x));
     let is_left = to_lock.perp_dot(into) > 0.0;
     let (start_rad, end_rad) = if is_left { (shut, open) } else { (open, shut) };
-    let shapes = vec![Shape::Line { a: centre, b: tip }, Shape::Arc { centre, radius, start_rad, end_rad }];
-    Some(Edit::Build { record, shapes })
+    let swing = Shape::Arc { centre, radius: centre.distance(tip), start_rad, end_rad };
+    Some(vec![Shape::Line { a: centre, b: tip }, swing])
 }
 
-/// The panes of new glass between its jambs; `None` where the drawing has no window drawn so.
-pub(super) fn panes(base: &Understood, drawing: &Drawing, walls: &[Wall], work: &Work) -> Option<Edit> {
-    let wall = walls.get(work.walls.first()?.0)?;
-    if let Some(own) = block(base, drawing, (wall, work), OpeningKind::Window) {
-        return Some(own);
-    }
-    let record = like(base, drawing, OpeningKind::Window)?;
-    let [p, q] = work.stretch;
-    let off = wall.along.perp() * (wall.thickness_m * PANE_SHARE);
-    let line = |by: DVec2| Shape::Line {
-        a: base.plan.frame.file_from_plan(p + by),
-        b: base.plan.frame.file_from_plan(q + by),
-    };
-    let shapes = if wall.thickness_m > 0.0 { vec![line(off), line(-off)] } else { vec![line(DVec2::ZERO)] };
-    Some(Edit::Build { record, shapes })
+/// A pane on the axis of the wall, from jamb to jamb.
+fn pane(plan: &Plan, work: &Work) -> Shape {
+    let [a, b] = work.stretch.map(|p| plan.frame.file_from_plan(p));
+    Shape::Line { a, b }
 }

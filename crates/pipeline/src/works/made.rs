@@ -1,19 +1,19 @@
 //! Works of the list made real: written, read again, measured from scratch.
 
 use super::edits::{Written, beside, written};
-use super::{Found, find};
+use super::{Floor, listed};
 use crate::analyse::measure;
-use crate::job::{Input, Job};
+use crate::job::Input;
+use crate::measure::study::Study;
 use crate::read;
 use enfilade_config::{Settings, WorkTable};
 use enfilade_engine::Obstacles;
 use enfilade_engine::visibility::visibility_graph;
+use enfilade_overlay::works::LEAST_SHOWN;
 use enfilade_plan::view_box;
 use enfilade_report::{Cancel, Error, Place, Report};
+use enfilade_works::Work;
 use enfilade_works::counts::degrees;
-
-/// A gain that differs by more from what was told is told of: more than the jambs of one opening hide.
-const DIFFERS: f64 = 0.005;
 
 /// Works of a drawing as they were made.
 #[derive(Clone, Debug)]
@@ -22,8 +22,8 @@ pub struct MadeWorks {
     pub bytes: Vec<u8>,
     /// Works that the drawing cannot hold, for the side-car of the new drawing.
     pub tables: Vec<WorkTable>,
-    /// What they were said to bring together, a share of the visible area; of one alone what its list says.
-    pub told: f64,
+    /// What the list leads to expect of them together, a share of the visible area.
+    pub expected: f64,
     /// What they bring, of the file read again, over the cells of the layout before.
     pub gain: f64,
     /// What there is to say.
@@ -33,7 +33,7 @@ pub struct MadeWorks {
 /// Makes works of the list by their numbers, all in one drawing.
 ///
 /// # Errors
-/// [`Error::Usage`] for a number that the list does not have; as [`measure`].
+/// [`Error::Usage`] for a number that the list does not have, and for works that change the same entity; as [`measure`].
 pub fn make_works(
     input: &Input<'_>,
     settings: &Settings,
@@ -41,58 +41,72 @@ pub fn make_works(
     cancel: &Cancel,
 ) -> Result<MadeWorks, Error> {
     let (study, mut report) = measure(input, settings, None, &mut || {}, cancel)?;
-    let Found { walls, listed, .. } = find(Job { input, settings }, &study, cancel)?;
-    let mut drawing = read::drawing(input.file(), &input.bytes, settings, &mut Report::default())?;
-    drawing = view_box::within(&drawing, settings.view.as_deref()).into_owned();
-    let options = read::read_options(settings);
-    let mut all = Written::default();
-    let (mut told, mut segments) = (0.0, study.initial_obstacles().segments);
-    for id in ids {
-        let work = id.checked_sub(1).and_then(|i| listed.get(i)).ok_or_else(|| {
+    let floor = Floor::of(&study, settings)?;
+    let found = floor.works(&study, cancel)?;
+    let listed = listed(&found.works);
+    let works = ids.iter().map(|id| {
+        let work = id.checked_sub(1).and_then(|i| listed.get(i).copied());
+        work.map(|work| (*id, work)).ok_or_else(|| {
             let text = format!("--make {id}: the list has works 1 to {}; nothing was written", listed.len());
             Error::usage("work", Place::default(), text)
-        })?;
-        let mut one = written(&study.base, (&drawing, &input.bytes), &walls, work);
+        })
+    });
+    let works = works.collect::<Result<Vec<_>, _>>()?;
+    let all = together((input, settings), (&study, &floor), &works, &mut report)?;
+    let options = read::read_options(settings);
+    let bytes = enfilade_cad::patch(input.file(), &input.bytes, &options, &all.edits, &all.additions)?;
+    let again = Settings { works: [&settings.works[..], &all.tables].concat(), ..settings.clone() };
+    let (then, _) = measure(&Input::new(input.path, &bytes, input.round), &again, None, &mut || {}, cancel)?;
+    let now = floor.obstacles.segments.clone();
+    let planned = works.iter().fold(now.clone(), |segments, (_, work)| work.change.apply(&segments));
+    // Over the cells of the layout before.
+    let sights = |segments| {
+        let obstacles = Obstacles { segments, blind: floor.obstacles.blind.clone() };
+        degrees(&study.lattice, &visibility_graph(&study.lattice, &obstacles)) as f64
+    };
+    let before = sights(now).max(1.0);
+    let [expected, gain] =
+        [planned, then.initial_obstacles().segments].map(|segments| sights(segments) / before - 1.0);
+    if (gain - expected).abs() >= LEAST_SHOWN {
+        let text = format!(
+            "The program reads the new drawing differently also where nothing changed: visibility {:+.1} %, \
+             expected {:+.1} %. Compare `check` of both.",
+            100.0 * gain,
+            100.0 * expected
+        );
+        report.warn("work-differs", Place::file(input.file()), text);
+    }
+    Ok(MadeWorks { bytes, tables: all.tables, expected, gain, report })
+}
+
+/// All works as one set of changes.
+fn together(
+    (input, settings): (&Input<'_>, &Settings),
+    (study, floor): (&Study, &Floor),
+    works: &[(usize, &Work)],
+    report: &mut Report,
+) -> Result<Written, Error> {
+    let drawing = read::drawing(input.file(), &input.bytes, settings, &mut Report::default())?;
+    // As it was understood: marks name its entities by their place.
+    let drawing = view_box::within(&drawing, settings.view.as_deref());
+    let options = read::read_options(settings);
+    let mut all = Written::default();
+    for (id, work) in works {
+        let mut one = written(&study.base, (&drawing, &input.bytes), &floor.walls, work);
         if let Err(e) = enfilade_cad::patch(input.file(), &input.bytes, &options, &one.edits, &[]) {
-            one = beside(&study.base.plan, &walls, work, e.to_string());
+            one = beside(&study.base, &floor.walls, work, e.to_string());
         }
         if let Some(why) = &one.why {
-            let text = format!(
-                "work {id} is written into the file of settings beside the new drawing, as a decided work: {why}"
-            );
+            let text = format!("The side-car of the new drawing decides work {id}: {why}.");
             report.info("work-decided", Place::file(input.file()), text);
         }
-        let twice = one.edits.iter().find(|e| all.edits.iter().any(|o| o.record() == e.record()));
-        if twice.is_some() {
-            let text = format!("work {id} changes what another one changes; make one after the other");
+        if one.edits.iter().any(|e| all.edits.iter().any(|o| o.record() == e.record())) {
+            let text = format!("work {id} changes the same entity as another one; make one after the other");
             return Err(Error::usage("work", Place::default(), text));
         }
         all.edits.extend(one.edits);
         all.additions.extend(one.additions);
         all.tables.extend(one.tables);
-        segments = work.change.apply(&segments);
     }
-    let bytes = enfilade_cad::patch(input.file(), &input.bytes, &options, &all.edits, &all.additions)?;
-    let cells = |segments| {
-        let obstacles = Obstacles { segments, blind: study.initial_obstacles().blind };
-        degrees(&study.lattice, &visibility_graph(&study.lattice, &obstacles)) as f64
-    };
-    let now = cells(study.initial_obstacles().segments).max(1.0);
-    told += cells(segments) / now - 1.0;
-    let mut works = settings.works.clone();
-    works.extend(all.tables.iter().cloned());
-    let again = Settings { works, ..settings.clone() };
-    let new = Input::new(input.path, &bytes, input.round);
-    let (then, _) = measure(&new, &again, None, &mut || {}, cancel)?;
-    let gain = cells(then.initial_obstacles().segments) / now - 1.0;
-    if (gain - told).abs() > DIFFERS {
-        let text = format!(
-            "the new drawing is read otherwise than the one before also where nothing was changed: visibility {:+.1} %, \
-             told {:+.1} %; look at `check` of both",
-            100.0 * gain,
-            100.0 * told
-        );
-        report.warn("work-differs", Place::file(input.file()), text);
-    }
-    Ok(MadeWorks { bytes, tables: all.tables, told, gain, report })
+    Ok(all)
 }

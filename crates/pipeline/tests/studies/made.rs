@@ -1,4 +1,4 @@
-//! Works of the list made in the drawing: read again they measure what was told, and nothing else of the file changes.
+//! Works of the list made in the drawing: read again they measure what the list says, and nothing else of the file changes.
 
 use std::collections::BTreeMap;
 
@@ -29,13 +29,13 @@ fn made(file: &str, bytes: &[u8], ids: &[usize]) -> Result<MadeWorks, Error> {
     make_works(&Input::new(file, bytes, 1), &settings(), ids, &Cancel::default())
 }
 
-/// Each kind once, alone: told and measured differ by a tenth of a percent at most.
-fn as_told(file: &str, in_the_file: &[&str]) {
+/// Each kind once, alone: list and file differ by a tenth of a percent at most.
+fn as_listed(file: &str, in_the_file: &[&str]) {
     let (bytes, kinds) = of_each_kind(file);
     assert!(kinds.len() >= 5, "{:?}", kinds.keys());
     for (kind, work) in &kinds {
         let made = made(file, &bytes, &[work.id]).unwrap();
-        assert!((made.told - made.gain).abs() < 1e-3, "{file} {kind}: {} {}", made.told, made.gain);
+        assert!((made.expected - made.gain).abs() < 1e-3, "{file} {kind}: {} {}", made.expected, made.gain);
         let is_in_the_file = made.tables.is_empty();
         assert_eq!(is_in_the_file, in_the_file.contains(&kind.as_str()), "{file} {kind}");
         assert_eq!(made.bytes == bytes, !is_in_the_file, "{file} {kind}");
@@ -45,17 +45,17 @@ fn as_told(file: &str, in_the_file: &[&str]) {
 
 #[test]
 fn works_are_cut_into_a_drawing() {
-    as_told("flat.dxf", &["open", "door", "widen", "remove", "close", "rehang", "glaze"]);
+    as_listed("flat.dxf", &["open", "door", "widen", "remove", "close", "rehang", "glaze"]);
 }
 
 #[test]
 fn openings_and_removals_are_written_into_a_building() {
-    as_told("flat.ifc", &["open", "door", "widen", "remove", "close", "rehang", "glaze"]);
+    as_listed("flat.ifc", &["open", "door", "widen", "remove", "close", "rehang", "glaze"]);
 }
 
 #[test]
 fn what_a_scene_cannot_hold_is_decided_beside_it() {
-    as_told("flat.glb", &[]);
+    as_listed("flat.glb", &[]);
 }
 
 /// What is demolished goes to a layer of its own by one group; its other bytes stay.
