@@ -26,7 +26,7 @@ FACES_M = 0.45
 # An opening keeps so far from a joint.
 JOINT_M = 0.1
 CUT = ("open", "door", "widen", "remove")
-# Of what the gain is told where no interval is: the spread of a single lattice.
+# How far a gain may lie off where the list has no interval: the spread of a single lattice.
 ROUGHLY = 0.02
 NAMES_M = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 

@@ -10,7 +10,7 @@ use enfilade_report::{Error, Place};
 pub enum Page {}
 
 impl Page {
-    /// Says that there is none.
+    /// Refuses.
     ///
     /// # Errors
     /// [`Error::Usage`].
