@@ -177,6 +177,9 @@ function toTitle() {
 
 const head = (d) => [el("h2", { id: "title", tabindex: -1 }, name(d.name)), el("p", { class: "quiet" }, name(d.folder))];
 
+/** Where whoever works by keyboard was when a card was made anew; it may be made anew once more before he is back. */
+let held = null;
+
 async function open(id) {
   shown = id;
   list();
@@ -194,12 +197,13 @@ async function open(id) {
   });
   if (turn !== detail) return;
   // Whoever works by keyboard stays where the same button is again, else at the head.
-  const held = main.contains(document.activeElement) ? document.activeElement.id : null;
+  if (main.contains(document.activeElement)) held = document.activeElement.id;
   main.replaceChildren(...head(d), standing(d));
   await below(main, d);
-  if (held === null || turn !== detail || document.activeElement !== document.body) return;
+  if (turn !== detail) return;
   const again = held && $(held);
-  (again && !again.disabled ? again : $("title")).focus({ preventScroll: true });
+  if (held !== null && document.activeElement === document.body) (again && !again.disabled ? again : $("title")).focus({ preventScroll: true });
+  held = null;
 }
 
 /** The report of the newest round, and the picture of what was understood. */
