@@ -644,9 +644,16 @@ fn round_result(folder: &Path, which: Which) -> Result<(Origin, RoundResult), Er
     Ok((origin, result))
 }
 
-/// Parameters of an option of a round, from 1.
+/// Parameters of an option of a round, from 1: one that moves, since works have none.
 fn option_of(result: &RoundResult, origin: Origin, number: usize) -> Result<Vec<f64>, Error> {
     let found = number.checked_sub(1).and_then(|i| result.candidates.get(i));
+    if found.is_some_and(|c| !c.works.is_empty()) {
+        let text = format!(
+            "option {number} of {origin} has building works, and only moves are pinned or searched near; nothing was done; \
+             accept it, or draw it (EF-OPEN, EF-REMOVE, EF-NEW) to keep it"
+        );
+        return Err(Error::usage("works-option", Place::default(), text));
+    }
     found.map(|c| c.parameters.clone()).ok_or_else(|| {
         let has = match result.candidates.len() {
             0 => "no options".into(),

@@ -86,7 +86,7 @@ fn table(result: &RoundResult) -> Vec<Vec<String>> {
         let rebuilt = format!("{} m", trimmed(line.rebuilt_m, 1));
         std::iter::once(line.name).chain(gained).chain([rebuilt, line.movers]).collect()
     };
-    let heading = heading.chain(["Rebuilt".to_owned(), "What moves".to_owned()]).collect();
+    let heading = heading.chain(["Rebuilt".to_owned(), "What changes".to_owned()]).collect();
     std::iter::once(heading).chain(option_lines(result).into_iter().map(line)).collect()
 }
 
@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(
             aligned(&table(&result)),
             [
-                "      Visibility          Steps              Rebuilt  What moves",
+                "      Visibility          Steps              Rebuilt  What changes",
                 "1     +34 % (32 to 36 %)  −6 % (−8 to −4 %)  0 m      E, C, D, F and 1 more",
                 "best  +34 % (32 to 36 %)  −6 % (−8 to −4 %)  0 m      B",
             ]

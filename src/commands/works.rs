@@ -6,7 +6,7 @@ use super::{absolute, exit_code, hand_json, open, say, settings_for, tell, write
 use crate::cli::WorksArgs;
 use crate::store::{self, SystemDisk};
 use enfilade_config::{Partial, Settings, settings_files};
-use enfilade_overlay::works::{LEAST_SHOWN, WorkEntry, WorksResult};
+use enfilade_overlay::works::{LEAST_SHOWN, WorksResult};
 use enfilade_pipeline::Input;
 use enfilade_report::{Cancel, Error, Place};
 
@@ -89,7 +89,9 @@ fn tell_works(result: &WorksResult, most: usize) {
         say(&format!("No allowed work brings {:.1} % or more.", 100.0 * LEAST_SHOWN));
     }
     for work in &allowed {
-        say(&format!("{:>3}. {}{}", work.id, result.line(work), effort(work)));
+        let effort = work.effort.words();
+        let effort = if effort.is_empty() { effort } else { format!("; {effort}") };
+        say(&format!("{:>3}. {}{effort}", work.id, result.line(work)));
     }
     if !forbidden.is_empty() {
         say("Not offered:");
@@ -98,16 +100,5 @@ fn tell_works(result: &WorksResult, most: usize) {
     say(&result.proof());
     if let Some(first) = allowed.first() {
         say(&format!("To have one drawn: {}", result.making(&first.id.to_string())));
-    }
-}
-
-/// `; 1.8 m of wall goes, 0.9 m is built`.
-fn effort(work: &WorkEntry) -> String {
-    let e = &work.effort;
-    match (e.demolished_m > 0.0, e.built_m > 0.0) {
-        (true, true) => format!("; {:.1} m of wall goes, {:.1} m is built", e.demolished_m, e.built_m),
-        (true, false) => format!("; {:.1} m of wall goes", e.demolished_m),
-        (false, true) => format!("; {:.1} m is built", e.built_m),
-        (false, false) => String::new(),
     }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::measure::percent_change;
 use super::result::{Best, Candidate, Change, Gains, Numbers, RoundResult};
 use super::words::{gain_words, movers};
+use super::works::OptionWork;
 
 /// Movers named in a line; the rest is counted.
 const MOVERS_NAMED: usize = 4;
@@ -17,9 +18,9 @@ pub struct OptionLine<'a> {
     pub option: Option<usize>,
     /// `1`, `2 (pinned)`, `best`.
     pub name: String,
-    /// `Screen 1, Door west and 3 more`, the largest moves first.
+    /// `Screen 1, Door west and 3 more`, the largest moves first; works by their names.
     pub movers: String,
-    /// Metres of wall that stand elsewhere than now.
+    /// Metres of wall that stand elsewhere than now, are gone or are new.
     pub rebuilt_m: f64,
     /// Means of the measures.
     pub mean: &'a Numbers,
@@ -32,8 +33,8 @@ pub fn option_lines<'a>(result: &'a RoundResult) -> Vec<OptionLine<'a>> {
     let option = |(i, c): (usize, &'a Candidate)| OptionLine {
         option: Some(i),
         name: format!("{}{}", i + 1, result.mark(i)),
-        movers: movers_of(result, &c.parameters),
-        rebuilt_m: rebuilt_m(&c.changes),
+        movers: changes_of(result, c),
+        rebuilt_m: rebuilt_m(&c.changes) + c.works.iter().map(OptionWork::length_m).sum::<f64>(),
         mean: &c.mean,
         gain: &c.gain,
     };
@@ -72,6 +73,12 @@ pub fn told_measures(result: &RoundResult) -> Vec<String> {
     let known = result.initial.mean.0.iter().map(|(key, _)| key).filter(|key| confirmed.contains(key));
     let others = confirmed.iter().copied().filter(|key| result.initial.mean.get(key).is_none());
     known.chain(others).cloned().collect()
+}
+
+fn changes_of(result: &RoundResult, of: &Candidate) -> String {
+    let works = of.works.iter().map(|w| w.words.clone());
+    let moves = movers_of(result, &of.parameters);
+    works.chain([moves].into_iter().filter(|m| !m.is_empty())).collect::<Vec<_>>().join("; ")
 }
 
 fn movers_of(result: &RoundResult, parameters: &[f64]) -> String {

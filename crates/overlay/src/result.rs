@@ -15,6 +15,7 @@ use serde_json::{Map, Value};
 
 pub use super::element::ElementRef;
 use super::measure::counts_cells;
+use super::works::OptionWork;
 
 /// `schema` of a [`RoundResult`].
 pub const RESULT_SCHEMA: &str = "enfilade.result/1";
@@ -254,6 +255,9 @@ pub struct Candidate {
     pub explanation: Explanation,
     /// Every element that stands otherwise.
     pub changes: Vec<Change>,
+    /// The building works of it, beside the moves.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub works: Vec<OptionWork>,
 }
 
 /// Why an option is good and how it differs. Distances are `dn` of the spec.

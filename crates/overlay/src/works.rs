@@ -112,6 +112,69 @@ pub struct Effort {
     pub built_m: f64,
 }
 
+impl Effort {
+    /// `1.8 m of wall goes, 0.9 m is built`; empty for nothing.
+    pub fn words(&self) -> String {
+        match (self.demolished_m > 0.0, self.built_m > 0.0) {
+            (true, true) => {
+                format!("{:.1} m of wall goes, {:.1} m is built", self.demolished_m, self.built_m)
+            }
+            (true, false) => format!("{:.1} m of wall goes", self.demolished_m),
+            (false, true) => format!("{:.1} m is built", self.built_m),
+            (false, false) => String::new(),
+        }
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn and(self, other: &Self) -> Self {
+        Self { demolished_m: self.demolished_m + other.demolished_m, built_m: self.built_m + other.built_m }
+    }
+}
+
+/// A building work of an option, as a program that makes it needs it. Metres in the drawing frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct OptionWork {
+    /// As [`WorkEntry::kind`].
+    pub kind: String,
+    /// Its name: `An opening of 1.8 m between kitchen and living room`.
+    pub words: String,
+    /// Ends of the stretch on the wall's axis.
+    pub stretch: [[f64; 2]; 2],
+    /// Clear width, or length.
+    pub width_m: f64,
+    /// The rooms on both sides, by their `id` in `works.json`; `null`: none.
+    pub rooms: [Option<usize>; 2],
+    /// What draws its wall.
+    pub elements: Vec<ElementRef>,
+    /// Outlines of what goes: along one face, and back along the other.
+    pub demolished: Vec<[[f64; 2]; 4]>,
+    /// What is walled up or newly built.
+    pub built: Vec<BuiltWall>,
+    /// What stands in a new opening: `nothing`, `door`, `glass`.
+    pub filling: String,
+    /// Jambs of the opening that it closes, widens or takes a door from.
+    pub opening: Option<[[f64; 2]; 2]>,
+}
+
+impl OptionWork {
+    /// Wall that goes or is built, metres.
+    pub fn length_m(&self) -> f64 {
+        let apart = |[a, b]: [[f64; 2]; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let gone = self.demolished.iter().map(|q| apart([q[0], q[1]]));
+        gone.chain(self.built.iter().map(|b| apart(b.ends))).sum()
+    }
+}
+
+/// A straight wall that is built. Metres in the drawing frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BuiltWall {
+    /// Ends of its axis.
+    pub ends: [[f64; 2]; 2],
+    /// Distance of its faces, 0 for a single line.
+    pub thickness_m: f64,
+}
+
 /// The best single work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BestEntry {
@@ -164,6 +227,19 @@ impl WorksResult {
             "add" => format!("A wall of {m} {where_}"),
             _ => format!("An opening of {m} {where_}"),
         }
+    }
+
+    /// The names of several works in one line: `An opening of 1.8 m between …; a door of 0.9 m in …`.
+    pub fn titles(&self, works: &[&WorkEntry]) -> String {
+        let title = |(i, w): (usize, &&WorkEntry)| {
+            let title = self.title(w);
+            let mut letters = title.chars();
+            match (i, letters.next()) {
+                (1.., Some(first)) => first.to_lowercase().chain(letters).collect(),
+                _ => title,
+            }
+        };
+        works.iter().enumerate().map(title).collect::<Vec<_>>().join("; ")
     }
 
     /// `visibility +17 % (15 to 18), steps −3.7 %`: what changes, as the measure itself changes.

@@ -14,6 +14,7 @@ use crate::understand::edits::{edits_of, tied};
 use crate::understand::understood;
 use crate::understand::understood::Understood;
 use crate::understand::{fits, marked};
+use crate::works::of_option;
 use enfilade_cad::drawing::{Format, Unit};
 use enfilade_cad::units::unit_by_name;
 use enfilade_config::{
@@ -65,10 +66,10 @@ pub fn accept(
 ) -> Result<Accepted, Error> {
     let place = || Place::file(input.file());
     let chosen = match number.checked_sub(1) {
-        Some(i) => result.candidates.get(i).map(|c| (&c.parameters, &c.mean)),
-        None => result.best.as_ref().map(|b| (&b.parameters, &b.mean)),
+        Some(i) => result.candidates.get(i).map(|c| (&c.parameters, &c.mean, &c.works[..])),
+        None => result.best.as_ref().map(|b| (&b.parameters, &b.mean, &[][..])),
     };
-    let Some((parameters, mean)) = chosen else {
+    let Some((parameters, mean, works)) = chosen else {
         let n = result.candidates.len();
         let none = result.problems.iter().find(|p| p.code == "no-option");
         let text = match number {
@@ -101,7 +102,7 @@ pub fn accept(
                 format!("result.json of {origin}: {e}; nothing was written"),
             )
         })?;
-    let settings = Settings { beside, ..settings };
+    let mut settings = Settings { beside, ..settings };
     let mut report = Report::default();
     let base = understood(
         &read::drawing(input.file(), &input.bytes, &settings, &mut report)?,
@@ -121,12 +122,14 @@ pub fn accept(
         Error::input("parameters", place().entity(name), text)
     })?;
     let layout = base.moves.apply(&base.plan, &base.graph, parameters);
-    let options = read::read_options(&settings);
-    let mut edits = edits_of(&base, &layout);
-    edits.extend(
-        tied(Job { input, settings: &settings }, &base, &edits)?.following.into_iter().map(|f| f.edit),
-    );
-    let drawing = enfilade_cad::patch(input.file(), &input.bytes, &options, &edits, &[])?;
+    let drawing = if works.is_empty() {
+        moved((input, &settings), &base, &layout)?
+    } else {
+        let made = of_option(Job { input, settings: &settings }, works)?;
+        // What the drawing cannot hold is decided beside it.
+        settings.works.extend(made.written.tables);
+        made.bytes
+    };
     let lineage = LineageTable {
         drawing: input.file().into(),
         round: origin.round,
@@ -137,18 +140,35 @@ pub fn accept(
         accepted: pairs(mean),
     };
     let mut table = side_car(&base, &settings, result, (parameters, &layout), lineage)?;
+    // Nothing has moved, and what moves by default is found anew where walls have gone.
+    let is_anew = !works.is_empty() && base.moves.are_default;
+    if is_anew {
+        ["move", "warm", "ignore-move-markers"].iter().for_each(|key| drop(table.remove(*key)));
+    }
     if table.contains_key("warm") {
         let known = moves_again(input, &drawing, &table, &settings)?;
         let known = known.into_iter().map(Value::try_from).collect::<Result<Vec<_>, _>>();
         table.insert("warm-move".into(), known.map_err(toml_failed)?.into());
     }
     let text = toml::to_string(&table).map_err(toml_failed)?;
+    let counted = "# Moves count from the drawing as it is now; EF-MOVE in the drawing is left unread. Delete this file to\n\
+                   # start afresh from the markers.\n";
+    let counted = if is_anew { "" } else { counted };
     let side_car = format!(
-        "# Written by `enfilade accept`: what the next round of this drawing needs to know.\n\
-         # Moves count from the drawing as it is now; EF-MOVE in the drawing is left unread. Delete this file to\n\
-         # start afresh from the markers.\n{text}"
+        "# Written by `enfilade accept`: what the next round of this drawing needs to know.\n{counted}{text}"
     );
     Ok(Accepted { drawing, side_car })
+}
+
+/// The drawing with what a layout moves.
+fn moved(
+    (input, settings): (&Input<'_>, &Settings),
+    base: &Understood,
+    layout: &Layout,
+) -> Result<Vec<u8>, Error> {
+    let mut edits = edits_of(base, layout);
+    edits.extend(tied(Job { input, settings }, base, &edits)?.following.into_iter().map(|f| f.edit));
+    enfilade_cad::patch(input.file(), &input.bytes, &read::read_options(settings), &edits, &[])
 }
 
 /// Each parameter lies within the bounds of its move, within rounding; else the name of the group and what is wrong.

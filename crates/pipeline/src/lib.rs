@@ -41,9 +41,10 @@ mod understand;
 pub mod works;
 mod write;
 
+use std::sync::Arc;
 use std::time::Instant;
 
-use confirm::found::{Found, found};
+use confirm::found::{Found, as_drawn, found};
 use enfilade_config::Settings;
 use enfilade_overlay::PlanPicture;
 use enfilade_overlay::result::RoundResult;
@@ -54,7 +55,7 @@ use search::brief::{Brief, is_bare};
 use search::judged::objectives;
 use search::rules;
 use understand::fits;
-use works::Listed;
+use works::Offer;
 
 pub use analyse::{add_columns, analyse, analyse_from, measure};
 pub use check::{Extras, check, check_with};
@@ -112,20 +113,45 @@ fn round(
     let round = Round::new(Job { settings, ..job }, study, started);
     round.state_asked(&mut report);
     let found = if round.is_open() { Some(options(&round, &report, watch)?) } else { None };
-    let listed = if is_bare(settings) { None } else { list_works(&round, watch.cancel)? };
-    if let Some(listed) = &listed {
-        works::say_best(&listed.result, job.input.file(), &mut report);
+    let offer = if is_bare(settings) { None } else { offer(&round, found.as_ref(), &mut report, watch)? };
+    if let Some(offer) = &offer {
+        works::say_best(&offer.listed.result, job.input.file(), &mut report);
     }
     watch.stage("write", Some(found.as_ref().map_or(0, |f| f.members.len() as u64)));
-    write::write(&round, report, found.as_ref(), listed.as_ref())
+    write::write(&round, report, found.as_ref(), offer.as_ref())
 }
 
 /// The building works of the present layout; `None` where somebody stops the job: he keeps the best of its search.
-fn list_works(round: &Round<'_>, cancel: &Cancel) -> Result<Option<Listed>, Error> {
-    match works::of_study(round.job, round.study, cancel) {
+fn offer(
+    round: &Round<'_>,
+    found: Option<&Found>,
+    report: &mut Report,
+    watch: &mut Watch<'_>,
+) -> Result<Option<Offer>, Error> {
+    watch.stage("works", None);
+    match offered(round, found, report, watch.cancel) {
         Err(Error::Stopped) => Ok(None),
-        listed => listed.map(Some),
+        offer => offer.map(Some),
     }
+}
+
+fn offered(
+    round: &Round<'_>,
+    found: Option<&Found>,
+    report: &mut Report,
+    cancel: &Cancel,
+) -> Result<Offer, Error> {
+    let Round { job, study, .. } = *round;
+    let listed = works::of_study(job, study, cancel)?;
+    let aims = objectives(job.settings);
+    let trial = measure::lattices::trial(study, job.settings);
+    let trial = trial.as_ref().unwrap_or(study);
+    let told = found.map_or_else(|| as_drawn((trial, job.settings), &aims), |f| f.objectives.clone());
+    let judges = works::options::Judges { study, trial, objectives: &aims, told: &told };
+    let is_wanted = !round.is_asked() && works::options::are_wanted(&study.base, job.settings);
+    let options =
+        if is_wanted { works::options::options(job, judges, &listed, report, cancel)? } else { Vec::new() };
+    Ok(Offer { listed, options: options.into_iter().map(Arc::new).collect(), objectives: told })
 }
 
 /// What a round finds: a search, and what is confirmed of it. The best so far is handed out as often as the settings say.

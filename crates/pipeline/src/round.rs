@@ -27,7 +27,7 @@ impl<'a> Round<'a> {
     }
 
     /// Whether the reading is so unsure that somebody is asked before anything is searched.
-    fn is_asked(&self) -> bool {
+    pub(crate) fn is_asked(&self) -> bool {
         !self.sensed.doubts.is_empty() && self.job.settings.unsure == Unsure::Ask
     }
 

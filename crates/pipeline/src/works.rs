@@ -4,8 +4,11 @@ mod cuts;
 mod edits;
 mod fitted;
 mod made;
+pub(crate) mod options;
+mod shown;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -27,7 +30,7 @@ use enfilade_engine::measures::mean_depth;
 use enfilade_engine::visibility::visibility_graph;
 use enfilade_engine::{Lattice, Obstacles};
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
-use enfilade_overlay::result::{self, Interval};
+use enfilade_overlay::result::{self, Interval, Objective};
 use enfilade_overlay::works::{
     BestEntry, ColouredWall, Effort, RoomEntry, STEPS, VISIBILITY, WORKS_SCHEMA, WorkEntry, WorkGain,
     WorksResult, works_png,
@@ -40,7 +43,9 @@ use enfilade_works::counts::{Present, degrees, difference};
 use enfilade_works::rooms::rooms_of;
 use enfilade_works::walls::{Wall, walls};
 use enfilade_works::{Change, Room, RoomId, Site, Work, WorkKind, Works, works};
+pub(crate) use made::of_option;
 pub use made::{MadeWorks, make_works};
+use options::BuildingOption;
 
 /// Works of which steps are counted too: by trees of all cells.
 const WITH_STEPS: usize = 24;
@@ -72,7 +77,6 @@ pub fn works_of(
 }
 
 /// The works of a study as a round has them.
-#[derive(Clone, Debug)]
 pub(crate) struct Listed {
     /// The list.
     pub result: WorksResult,
@@ -80,6 +84,20 @@ pub(crate) struct Listed {
     pub picture: Vec<u8>,
     /// Every wall with the best that an opening in it would bring.
     pub walls: Vec<ColouredWall>,
+    /// What they were looked for on.
+    floor: Floor,
+    /// The works of the list, in its order.
+    found: Vec<Work>,
+}
+
+/// The works of a round: the list, and the options that build.
+pub(crate) struct Offer {
+    /// All works.
+    pub listed: Listed,
+    /// Those that are options, the best first.
+    pub options: Vec<Arc<BuildingOption>>,
+    /// What is asked for, with the present layout's values.
+    pub objectives: Vec<Objective>,
 }
 
 impl Listed {
@@ -94,7 +112,7 @@ impl Listed {
 }
 
 /// A floor as works are looked for on it.
-struct Floor {
+pub(crate) struct Floor {
     sensed: Sensed,
     known: Vec<KnownRoom>,
     rooms: Vec<Room>,
@@ -164,7 +182,8 @@ pub(crate) fn of_study(
     let floor = Floor::of(study, settings)?;
     let found = floor.works(study, cancel)?;
     let (base, site) = (&study.base, &floor.site(study));
-    let entries = entries(study, settings, site, &listed(&found.works));
+    let listed = listed(&found.works);
+    let entries = entries(study, settings, site, &listed);
     cancel.check()?;
     let single =
         entries.iter().find(|e| e.is_allowed && e.gain.get(VISIBILITY).is_some_and(|g| g.share > 0.0));
@@ -182,7 +201,8 @@ pub(crate) fn of_study(
     let walls = coloured(site, &found.works);
     let title = ("What an opening would bring", input.file());
     let picture = works_png(&shown, &walls, title, DEFAULT_SIDE_PX)?;
-    Ok(Listed { result, picture, walls })
+    let found = listed.into_iter().cloned().collect();
+    Ok(Listed { result, picture, walls, floor, found })
 }
 
 /// A room with what it is for.

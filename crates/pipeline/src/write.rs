@@ -27,8 +27,6 @@ pub(crate) mod show;
 pub(crate) mod told;
 pub(crate) mod traces;
 
-use rayon::prelude::*;
-
 use crate::confirm::found::Found;
 use crate::job::{Job, Outcome};
 use crate::round::Round;
@@ -36,7 +34,7 @@ use crate::search::brief::is_bare;
 use crate::search::distance;
 use crate::search::judged::{is_firm, pinned};
 use crate::understand::rooms::rooms_with_kinds;
-use crate::works::Listed;
+use crate::works::{Listed, Offer};
 use crate::write::diversity::{likeness, nearest};
 use crate::write::made::Made;
 use enfilade_overlay::result::{self, RoundResult};
@@ -50,7 +48,7 @@ pub(crate) fn write(
     round: &Round<'_>,
     mut report: Report,
     found: Option<&Found>,
-    works: Option<&Listed>,
+    offer: Option<&Offer>,
 ) -> Result<Outcome<RoundResult>, Error> {
     let Round { job, study, sensed, .. } = round;
     let (job, study) = (*job, *study);
@@ -60,33 +58,34 @@ pub(crate) fn write(
         let text = format!("{why}; the cores measured the rest, with the same result");
         report.warn("backend-gave-up", Place::file(input.file()), text);
     }
-    let members = found.map_or(Vec::new(), |f| f.members.clone());
-    let made: Vec<Made> = members
-        .par_iter()
-        .enumerate()
-        .map(|(i, m)| make::make(job, study, &format!("candidate-{}", i + 1), m))
-        .collect::<Result<_, _>>()?;
+    let works = offer.map(|o| &o.listed);
+    let made = make::options(job, study, (found, offer))?;
+    let built = made.iter().filter(|m| m.built.is_some()).count();
     for m in &made {
         report.extend(m.report.clone());
     }
     let best = found.and_then(|f| f.best.as_ref());
-    let best = best.map(|b| make::make(job, study, "best", &b.member)).transpose()?;
+    let best = best.map(|b| {
+        let made = make::make(job, study, "best", &b.member)?;
+        Ok::<_, Error>(Made { gains: b.gains.clone(), ..made })
+    });
+    let best = best.transpose()?;
     joints::say_opened(&mut report, input.file(), study, &made);
     doors::say_narrowed(&mut report, input.file(), study, &made);
     overlaps::say_overlaps(&mut report, input.file(), study, settings, &made);
     leaving::say_leaving(&mut report, input.file(), study, &made);
     if let Some(found) = found {
         told::say_pinned(&mut report, input.file(), &found.explanations);
-        if is_firm(settings) && !made.is_empty() {
+        if is_firm(settings) && built < made.len() {
             told::say_out_of_reach(&mut report, input.file(), (study, settings), found);
         }
-        if !made.is_empty() {
+        if built < made.len() {
             told::say_below_present(&mut report, input.file(), &found.objectives, is_firm(settings));
         }
-        told::say_options(&mut report, input.file(), study, settings, (found, made.len()));
+        told::say_options(&mut report, input.file(), study, settings, (found, made.len(), built));
     }
     let wanted = distance::distance(study, settings) * (study.base.moves.parameters.len() as f64).sqrt();
-    let share = found.filter(|_| !made.is_empty()).map_or(1.0, |f| f.threshold_share);
+    let share = found.filter(|_| built < made.len()).map_or(1.0, |f| f.threshold_share);
     let nearest = nearest(study, &made).map(|(pair, distance)| told::Nearest {
         distance,
         wanted,
@@ -98,15 +97,17 @@ pub(crate) fn write(
     if is_bare(settings) {
         told::say_alikeness(&mut report, input.file(), settings, nearest.as_ref());
     } else {
-        let shared = told::shared_parts(found.map_or(&[][..], |f| &f.explanations));
+        let shared = if built > 0 { Vec::new() } else { told::shared_parts(&made) };
         let of = (input.file(), study.base.plan.format);
         told::say_likeness(&mut report, of, likeness, &shared);
     }
     told::say_free_of_modules(&mut report, input.file(), study, settings);
-    let mut result = round_result::round_result(round, &report, found, (&made, best.as_ref()));
+    let mut result = round_result::round_result(round, &report, (found, offer), (&made, best.as_ref()));
     result.questions = sensed.doubts.iter().map(|d| asked::entry(d, &study.base.plan)).collect();
     if found.is_none() && !result.questions.is_empty() {
         result.stopped_by = "questions are open: the present layout was measured".into();
+    } else if found.is_none() && built > 0 {
+        result.stopped_by = "nothing may move: building works were measured".into();
     }
     let shown: Vec<&Made> = made.iter().chain(&best).collect();
     let mut files = files::pictures(job, study, &shown)?;
@@ -116,7 +117,7 @@ pub(crate) fn write(
     let rooms = rooms_with_kinds(&study.base, sensed, job.settings)?;
     let understood = check_picture::check_picture(&study.base, sensed, &rooms)?;
     let maps = maps::maps(study);
-    let page = page::page(job, &result, (&files, &maps), (&understood, works), found);
+    let page = page::page(job, &result, (&files, &maps), (&understood, works), (found, &made));
     files.extend(works.map(Listed::files).transpose()?.into_iter().flatten());
     files.push(OutFile::new("report.html", page));
     files.push(OutFile::new("result.json", result::to_json(&result)?));

@@ -196,6 +196,8 @@ async function round(place, d, set) {
   const numbers = () => [...pinned].map((c) => result.candidates.indexOf(c) + 1).sort((a, b) => a - b);
   // While the search goes on its best so far changes: an order could mean another option.
   const isHeld = set === SO_FAR && (d.state === "running" || d.state === "waiting");
+  // Works are kept by accepting them: only moves are pinned, or searched near.
+  const isBound = (c) => isHeld || c.works?.length > 0;
   const next = nextRound(d, key, order, result, numbers, isHeld);
   const views = [canvas("Parallel coordinates of the options; the filters and the table below have the same numbers"),
     canvas("Scatter of the options; the table below has the same numbers")];
@@ -204,8 +206,8 @@ async function round(place, d, set) {
   const picture = el("div", { id: "picture" });
   const words = el("p", { id: "words" });
   const deeds = {
-    pin: el("button", { id: "chosen-pin", disabled: isHeld, onclick: () => pin(result.candidates[chosen]) }),
-    like: el("button", { id: "chosen-like", disabled: isHeld, onclick: () => like(chosen) }),
+    pin: el("button", { id: "chosen-pin", onclick: () => pin(result.candidates[chosen]) }),
+    like: el("button", { id: "chosen-like", onclick: () => like(chosen) }),
     accept: el("button", { id: "chosen-accept", disabled: isHeld, onclick: () => accept(chosen) }),
   };
   const body = el("tbody");
@@ -220,6 +222,7 @@ async function round(place, d, set) {
     deeds.pin.textContent = `Pin option ${chosen + 1}`;
     deeds.like.textContent = `More like option ${chosen + 1}`;
     deeds.accept.textContent = `Accept option ${chosen + 1}`;
+    deeds.pin.disabled = deeds.like.disabled = isBound(c);
     deeds.pin.setAttribute("aria-pressed", String(pinned.has(c)));
     picture.replaceChildren(shown.length ? pair(d, set, chosen + 1, measure) : "");
   }
@@ -259,8 +262,8 @@ async function round(place, d, set) {
         el("th", { scope: "row" }, String(i + 1), i < keptCount(result) ? el("small", {}, " pinned before") : null),
         el("td", {}, el("div", { class: "bar" },
           el("button", { id: `show-${i}`, "aria-pressed": String(i === chosen), onclick: () => choose(i) }, `Show ${i + 1}`),
-          el("button", { id: `pin-${i}`, disabled: isHeld, "aria-pressed": String(pinned.has(c)), onclick: () => pin(c) }, `Pin ${i + 1}`),
-          el("button", { id: `like-${i}`, disabled: isHeld, onclick: () => like(i) }, `More like ${i + 1}`),
+          el("button", { id: `pin-${i}`, disabled: isBound(c), "aria-pressed": String(pinned.has(c)), onclick: () => pin(c) }, `Pin ${i + 1}`),
+          el("button", { id: `like-${i}`, disabled: isBound(c), onclick: () => like(i) }, `More like ${i + 1}`),
           el("button", { id: `accept-${i}`, disabled: isHeld, onclick: () => accept(i) }, `Accept ${i + 1}`),
           lead(el("a", {}, `File ${i + 1}`), "href", `/api/drawings/${d.id}/${set}/${encodeURIComponent(c.file)}`))),
         ...columns.slice(0, TABLE_COLUMNS).map((k) => el("td", {}, Number.isFinite(k.of(c)) ? k.of(c).toPrecision(4) : "–")));

@@ -134,9 +134,9 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
     html.raw("</div>\n</section>\n");
 }
 
-/// What moves and why that is better, folded.
+/// What changes and why that is better, folded.
 fn details(html: &mut Html, words: &str) {
-    html.raw("<details><summary>What moves, and why it is better</summary>");
+    html.raw("<details><summary>What changes, and why it is better</summary>");
     html.element("p", &[("class", "words")], words).raw("</details>\n");
 }
 

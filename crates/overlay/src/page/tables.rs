@@ -22,7 +22,7 @@ pub fn options(html: &mut Html, result: &RoundResult) {
     }
     let keys = told_measures(result);
     html.raw("<section>\n<h2>The options</h2>\n<div class=\"scroll\"><table class=\"options\">\n<thead><tr>");
-    for heading in ["Option", "What moves"] {
+    for heading in ["Option", "What changes"] {
         html.element("th", &[("scope", "col")], heading);
     }
     for heading in keys.iter().map(|k| plain_name(k)).chain(["Rebuilt".to_owned()]) {

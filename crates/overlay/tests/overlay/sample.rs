@@ -262,6 +262,7 @@ fn result() -> RoundResult {
                 to: vec![[2.2, 2.0], [2.2, 6.25]],
                 follows: false,
             }],
+            works: Vec::new(),
         }
     };
     let earlier = |round: u64, candidate, k: f64| LineageEntry {

@@ -25,6 +25,9 @@ const CUT_OFF_FREE: f64 = 1e-3;
 /// Where extrapolation from a spacing and half of it lies beyond the finer mean, in their difference.
 const REACH: f64 = 1.0;
 
+/// Measures on the lattices of a study, in a fixed order.
+pub(crate) type Measured<'a> = dyn Fn(&Study) -> Vec<Worth> + Sync + 'a;
+
 /// The measures whose gains are told, with whether more is better: what is asked for, then what everybody asks.
 fn measures(objectives: &Aims) -> Vec<(Aim, bool)> {
     let mut out: Vec<(Aim, bool)> = Vec::new();
@@ -38,19 +41,31 @@ fn measures(objectives: &Aims) -> Vec<(Aim, bool)> {
     out
 }
 
-/// Gains of layouts over the present one with their 95 % intervals; none of a measure that too few lattices can tell.
-///
-/// The interval of [`interval`] holds what either spacing measures, the extrapolation to none, and what two lattices of
-/// either would show if somebody measured again.
+/// Gains of layouts over the present one, as [`gains_of`].
 pub(crate) fn gains(
     study: &Study,
     settings: &Settings,
     objectives: &Aims,
     layouts: &[Vec<f64>],
 ) -> Vec<Gains> {
+    gains_of(study, settings, objectives, layouts.len(), &|on| on.measure_all(layouts))
+}
+
+/// Gains over the present layout of whatever a study can measure, so many of them, with their 95 % intervals; none of a
+/// measure that too few lattices can tell.
+///
+/// The interval of [`interval`] holds what either spacing measures, the extrapolation to none, and what two lattices of
+/// either would show if somebody measured again.
+pub(crate) fn gains_of(
+    study: &Study,
+    settings: &Settings,
+    objectives: &Aims,
+    count: usize,
+    measured: &Measured<'_>,
+) -> Vec<Gains> {
     let measures = measures(objectives);
     let [coarse, fine] = lattices::confirming(study, settings).map(|at| {
-        let all = at.par_iter().filter_map(|at| on_one(study, settings, *at, &measures, layouts));
+        let all = at.par_iter().filter_map(|at| on_one(study, settings, *at, &measures, measured));
         all.collect::<Vec<Vec<Vec<f64>>>>()
     });
     let of = |layout: usize| {
@@ -61,7 +76,7 @@ pub(crate) fn gains(
         };
         measures.iter().enumerate().filter_map(one).collect::<BTreeMap<_, _>>()
     };
-    (0..layouts.len()).map(of).collect()
+    (0..count).map(of).collect()
 }
 
 /// For every layout the gain in every measure on one lattice; none where it has no cells.
@@ -70,7 +85,7 @@ fn on_one(
     settings: &Settings,
     at: LatticeAt,
     measures: &[(Aim, bool)],
-    layouts: &[Vec<f64>],
+    measured: &Measured<'_>,
 ) -> Option<Vec<Vec<f64>>> {
     let one = study.on_lattices(settings, &[at], Use::Few).ok()?;
     let value = |worth: &Worth, aim: Aim| match aim.measure {
@@ -86,7 +101,7 @@ fn on_one(
         };
         measures.iter().map(of).collect()
     };
-    Some(one.measure_all(layouts).iter().map(gains).collect())
+    Some(measured(&one).iter().map(gains).collect())
 }
 
 fn gain(coarse: &Sampled, fine: &Sampled, is_more_better: bool) -> Gain {

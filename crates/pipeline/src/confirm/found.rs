@@ -150,6 +150,22 @@ pub(crate) fn found(brief: &Brief<'_>, search: &Search, others: &[enfilade_searc
     }
 }
 
+/// The objectives as results tell them where nothing was searched.
+pub(crate) fn as_drawn((study, settings): (&Study, &Settings), objectives: &Aims) -> Vec<Objective> {
+    let initial = evaluation(study, settings, objectives, &study.initial);
+    let one = |((_, o), initial): (&(_, enfilade_search::Objective), f64)| Objective {
+        name: o.name.clone(),
+        sense: o.sense,
+        threshold: o.threshold,
+        initial,
+        best: None,
+        reachable: None,
+        limit: None,
+        free: o.is_penalty.then_some(PENALTY_FREE),
+    };
+    objectives.iter().zip(initial.values).map(one).collect()
+}
+
 /// The objectives as results tell them.
 pub(crate) fn shown(brief: &Brief<'_>, outcome: &enfilade_search::Outcome<'_>) -> Vec<Objective> {
     let Brief { trial, settings, objectives, .. } = *brief;

@@ -18,6 +18,7 @@ pub(crate) const SAME_PLACE_M: f64 = 0.1;
 pub(crate) const SAME_MAPS: f64 = 0.8;
 
 /// What a layout changes at every cell that both it and the present layout leave free: what is seen, and steps.
+#[derive(Clone)]
 pub(crate) struct Experience([Vec<f64>; 2]);
 
 impl Experience {

@@ -85,6 +85,16 @@ pub(crate) fn cover_wide(base: &Understood, wall: u32, trace: &Trace, cells: &Ce
     }
 }
 
+/// All that stops sight in a layout.
+pub(crate) fn stopping(base: &Understood, layout: &Layout) -> Vec<Segment> {
+    let mut traces: Vec<&Trace> = base.plan.walls.iter().map(|w| &w.trace).collect();
+    layout.walls.iter().for_each(|moved| traces[moved.wall as usize] = &moved.trace);
+    let walls = traces.into_iter().enumerate();
+    let pieces = walls.flat_map(|(w, t)| pieces_of(t, None).map(move |p| (w as u32, p)));
+    let blocking = pieces.flat_map(|(w, (s, part, _))| base.sight.blocking((w, part), s));
+    blocking.chain(closed_that_stay(base)).collect()
+}
+
 /// Vertices covered by what can move and has a body, solids and thick walls, and those that its lines touch: they
 /// are no floor, so they count in no mean and are not cut off. What stays touches none, or its vertices were dropped.
 pub(crate) fn blind(base: &Understood, layout: &Layout, cells: &CellIndex, segments: &[Segment]) -> Vec<u32> {

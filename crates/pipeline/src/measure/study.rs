@@ -7,21 +7,20 @@ use rayon::prelude::*;
 
 use crate::measure::faults::{Guards, PASSAGE_WIDTH_M};
 use crate::measure::look::{Bench, Look, SeenOn, state_asked};
-use crate::measure::parts::{blind, fixed_parts, moving_segments, piece_moves, pieces_of};
+use crate::measure::parts::{blind, fixed_parts, moving_segments, piece_moves, pieces_of, stopping};
 use crate::measure::seen::Scene;
 use crate::measure::worth::Worth;
 use crate::measure::{aims, spacing};
 use crate::understand::regions::state_interior;
-use crate::understand::understood::{Understood, closed_that_stay};
+use crate::understand::understood::Understood;
 use enfilade_config::{Aggregate, Aim, Measure, PairName, Settings};
-use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
+use enfilade_engine::geometry::{PointUm, UM_PER_M};
 use enfilade_engine::gpu::Gpu;
 use enfilade_engine::lattice::{CellIndex, Ground};
 use enfilade_engine::{Lattice, Obstacles};
 use enfilade_moves::Layout;
 use enfilade_penalties::{Alignment, Clearance, Overlap, Passage, RoomArea, WallLength, WallPiece};
 use enfilade_plan::axes::Opening;
-use enfilade_plan::curve::Trace;
 use enfilade_plan::outline::SOLID_ACROSS_M;
 use enfilade_plan::{Plan, markers, structure};
 use enfilade_report::{Error, Place, Report};
@@ -281,12 +280,7 @@ impl Study {
 
     /// What blocks sight in a layout, all walls together, and which of some cells it covers.
     pub(super) fn obstacles(&self, layout: &Layout, cells: &CellIndex) -> Obstacles {
-        let mut traces: Vec<&Trace> = self.base.plan.walls.iter().map(|w| &w.trace).collect();
-        layout.walls.iter().for_each(|moved| traces[moved.wall as usize] = &moved.trace);
-        let walls = traces.into_iter().enumerate();
-        let pieces = walls.flat_map(|(w, t)| pieces_of(t, None).map(move |p| (w as u32, p)));
-        let blocking = pieces.flat_map(|(w, (s, part, _))| self.base.sight.blocking((w, part), s));
-        let segments: Vec<Segment> = blocking.chain(closed_that_stay(&self.base)).collect();
+        let segments = stopping(&self.base, layout);
         Obstacles { blind: blind(&self.base, layout, cells, &segments), segments }
     }
 

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::measure::look::SeenOn;
-use crate::measure::parts::{cover_bodies, cover_wide, pieces_of};
-use crate::measure::seen::Seen;
+use crate::measure::look::{Look, SeenOn};
+use crate::measure::parts::{blind, cover_bodies, cover_wide, pieces_of};
+use crate::measure::seen::{Scene, Seen};
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
 use crate::read;
@@ -53,26 +53,42 @@ impl Study {
             let trace = trace_like(shape, &plan.walls[*w as usize].trace, &plan.frame);
             self.place(&mut pieces[range.0..range.1], &trace);
         }
-        let seen = |scene: &crate::measure::seen::Scene| -> Seen {
-            let obstacles = Obstacles {
-                segments: segments.clone(),
-                blind: self.blind_again(&again, &meant, &scene.cells, &segments),
-            };
-            let graph = visibility_graph(&scene.lattice, &obstacles);
-            let initial = Initial { components: &scene.components, covered: &obstacles.blind };
-            let tally = tally(&scene.lattice, &graph, Some(initial));
-            scene.seen(tally, &obstacles.blind, || obstacles.clone())
-        };
-        let of = |look: &crate::measure::look::Look| SeenOn {
-            main: seen(&look.main),
-            pairs: look.pairs.iter().map(|p| seen(&p.scene)).collect(),
-        };
+        let seen =
+            self.seen_through(&segments, &|scene| self.blind_again(&again, &meant, &scene.cells, &segments));
         let written = |moved: &MovedWall| MovedWall {
             trace: again.walls[moved.wall as usize].trace.clone(),
             ..moved.clone()
         };
         let written = Layout { walls: layout.walls.iter().map(written).collect() };
-        Ok(self.worth(self.looks.iter().map(of).collect(), &pieces, &written))
+        Ok(self.worth(seen, &pieces, &written))
+    }
+
+    /// Measures other lines of walls than the drawn ones, over the cells of the study: of a plan in which works were made.
+    pub(crate) fn measure_walls(&self, segments: &[Segment]) -> Worth {
+        let base = &self.base;
+        let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
+        let seen = self.seen_through(segments, &|scene| blind(base, &identity, &scene.cells, segments));
+        self.worth(seen, &self.pieces, &identity)
+    }
+
+    /// What is seen where these lines stop sight and those vertices are covered.
+    fn seen_through(
+        &self,
+        segments: &[Segment],
+        covered: &(dyn Fn(&Scene) -> Vec<u32> + Sync),
+    ) -> Vec<SeenOn> {
+        let seen = |scene: &Scene| -> Seen {
+            let obstacles = Obstacles { segments: segments.to_vec(), blind: covered(scene) };
+            let graph = visibility_graph(&scene.lattice, &obstacles);
+            let initial = Initial { components: &scene.components, covered: &obstacles.blind };
+            let tally = tally(&scene.lattice, &graph, Some(initial));
+            scene.seen(tally, &obstacles.blind, || obstacles.clone())
+        };
+        let of = |look: &Look| SeenOn {
+            main: seen(&look.main),
+            pairs: look.pairs.iter().map(|p| seen(&p.scene)).collect(),
+        };
+        self.looks.iter().map(of).collect()
     }
 
     fn read_again(&self, bytes: &[u8], settings: &Settings) -> Result<Plan, Error> {

@@ -24,15 +24,13 @@ use enfilade_works::{Work, WorkKind};
 
 /// How a work is written.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Written {
+pub(crate) struct Written {
     /// Changes of the file.
     pub edits: Vec<Edit>,
     /// What was demolished, on a layer of its own.
     pub additions: Vec<Addition>,
     /// What the side-car decides instead.
     pub tables: Vec<WorkTable>,
-    /// Why it does.
-    pub why: Option<String>,
 }
 
 impl Written {
@@ -41,19 +39,19 @@ impl Written {
     }
 }
 
-/// How a work is written into its drawing: by edits where the drawing can hold it, else as a decided work of the side-car.
+/// How works are written into their drawing, all at once: a line that two of them cut is cut twice. Why it cannot hold them,
+/// where it cannot.
 pub(super) fn written(
     base: &Understood,
     (drawing, bytes): (&Drawing, &[u8]),
     walls: &[Wall],
-    work: &Work,
-) -> Written {
-    let made = match base.plan.format {
-        Format::Dxf => in_drawing(base, (drawing, bytes), walls, work),
-        Format::Ifc => in_building(base, walls, work),
+    works: &[&Work],
+) -> Result<Written, String> {
+    match base.plan.format {
+        Format::Dxf => in_drawing(base, (drawing, bytes), walls, works),
+        Format::Ifc => in_building(base, walls, works),
         Format::Gltf | Format::Glb => Err("openings are not cut into meshes".into()),
-    };
-    made.unwrap_or_else(|why| beside(base, walls, work, why))
+    }
 }
 
 /// Lines end at the jambs, the rest and the jambs are new, what goes as a whole changes its layer.
@@ -61,21 +59,26 @@ fn in_drawing(
     base: &Understood,
     (drawing, bytes): (&Drawing, &[u8]),
     walls: &[Wall],
-    work: &Work,
+    works: &[&Work],
 ) -> Result<Written, String> {
-    let (plan, gone) = (&base.plan, &work.change.demolished);
+    let plan = &base.plan;
+    let gone: Vec<Quad> = works.iter().flat_map(|w| w.change.demolished.iter().copied()).collect();
     let mut out = Written::default();
-    out.edits.extend(fitted::fitting(base, drawing, walls, work));
-    if work.kind == WorkKind::Glaze && out.edits.is_empty() {
-        return Err("the drawing shows no window whose like could be drawn".into());
+    for work in works {
+        let fitting = fitted::fitting(base, drawing, walls, work);
+        if work.kind == WorkKind::Glaze && fitting.is_none() {
+            return Err("the drawing shows no window whose like could be drawn".into());
+        }
+        out.edits.extend(fitting);
     }
-    let mut jambs: Vec<Segment> = work.change.built.clone();
-    let mut like = work.walls.iter().flat_map(|w| &walls[w.0].records).copied().next();
-    for wall in plan.walls.iter().filter(|w| meets(w, gone)) {
+    let mut jambs: Vec<Segment> = works.iter().flat_map(|w| w.change.built.iter().copied()).collect();
+    let own = works.iter().flat_map(|w| &w.walls).flat_map(|w| &walls[w.0].records);
+    let mut like = own.copied().next();
+    for wall in plan.walls.iter().filter(|w| meets(w, &gone)) {
         if matches!(wall.drawn_by, DrawnBy::Mark(_)) || wall.editable != Editable::Free {
             return Err(format!("{} on layer {:?} cannot be cut", wall.source.kind, wall.source.layer));
         }
-        let (record, parts) = (wall.source.record, parts(plan, wall, gone, &mut jambs)?);
+        let (record, parts) = (wall.source.record, parts(plan, wall, &gone, &mut jambs)?);
         if parts.is_empty() {
             out.add(record, EntityWork::Drop);
         } else {
@@ -83,7 +86,8 @@ fn in_drawing(
             out.add(record, EntityWork::Cut { parts });
         }
     }
-    for record in doors(base, drawing, work) {
+    let doors: BTreeSet<usize> = works.iter().flat_map(|w| doors(base, drawing, w)).collect();
+    for record in doors {
         out.add(record, EntityWork::Drop);
     }
     if let Some(record) = like.filter(|_| !jambs.is_empty()) {
@@ -91,7 +95,7 @@ fn in_drawing(
         let shapes = jambs.iter().map(|s| Shape::Line { a: at(s.a), b: at(s.b) }).collect();
         out.add(record, EntityWork::Build { shapes });
     }
-    for quad in gone {
+    for quad in &gone {
         for record in fills_at(&plan.file, bytes, probe(plan, quad)).unwrap_or_default() {
             out.add(record, EntityWork::Void { gone: in_file(plan, quad), filling: Filling::Gone });
         }
@@ -100,17 +104,28 @@ fn in_drawing(
     Ok(out)
 }
 
-/// An opening voids its wall, with a leaf or a pane where it has one; what goes as a whole says so; new walls stand where
-/// others are closed.
-fn in_building(base: &Understood, walls: &[Wall], work: &Work) -> Result<Written, String> {
-    let (plan, gone) = (&base.plan, &work.change.demolished);
-    let mut out = Written::default();
-    let filling = match work.kind {
+/// What stands in the opening that a work makes.
+pub(super) fn filling(work: &Work) -> Filling {
+    match work.kind {
         WorkKind::Door | WorkKind::Rehang => Filling::Door,
         WorkKind::Glaze => Filling::Glass,
         WorkKind::Remove | WorkKind::End => Filling::Gone,
         _ => Filling::Nothing,
-    };
+    }
+}
+
+/// An opening voids its wall, with a leaf or a pane where it has one; what goes as a whole says so; new walls stand where
+/// others are closed.
+fn in_building(base: &Understood, walls: &[Wall], works: &[&Work]) -> Result<Written, String> {
+    let mut out = Written::default();
+    for work in works {
+        add_in_building(&mut out, base, walls, work)?;
+    }
+    Ok(out)
+}
+
+fn add_in_building(out: &mut Written, base: &Understood, walls: &[Wall], work: &Work) -> Result<(), String> {
+    let (plan, gone, before) = (&base.plan, &work.change.demolished, out.edits.len());
     let records: BTreeSet<usize> = work.walls.iter().flat_map(|w| &walls[w.0].records).copied().collect();
     for record in &records {
         let own: Vec<&Drawn> = plan.walls.iter().filter(|w| w.source.record == *record).collect();
@@ -120,7 +135,7 @@ fn in_building(base: &Understood, walls: &[Wall], work: &Work) -> Result<Written
             continue;
         }
         for quad in gone.iter().filter(|q| own.iter().any(|w| meets(w, std::slice::from_ref(*q)))) {
-            out.add(*record, EntityWork::Void { gone: in_file(plan, quad), filling });
+            out.add(*record, EntityWork::Void { gone: in_file(plan, quad), filling: filling(work) });
         }
     }
     if let (Some([a, b]), Some(record)) = (built_axis(base, work), records.first()) {
@@ -132,19 +147,19 @@ fn in_building(base: &Understood, walls: &[Wall], work: &Work) -> Result<Written
             out.add(record, EntityWork::Drop);
         }
     }
-    match out.edits.is_empty() {
+    match out.edits.len() == before {
         true => Err("no element of the building stands there".into()),
-        false => Ok(out),
+        false => Ok(()),
     }
 }
 
 /// Thickness of the wall that a work changes, metres of the plan.
-fn thickness_m(walls: &[Wall], work: &Work) -> f64 {
+pub(super) fn thickness_m(walls: &[Wall], work: &Work) -> f64 {
     work.walls.first().map_or(0.0, |w| walls[w.0].thickness_m)
 }
 
 /// The axis of what is walled up or built, plan frame.
-fn built_axis(base: &Understood, work: &Work) -> Option<[DVec2; 2]> {
+pub(super) fn built_axis(base: &Understood, work: &Work) -> Option<[DVec2; 2]> {
     match work.kind {
         WorkKind::Close | WorkKind::Add => Some(work.stretch),
         WorkKind::Rehang => {
@@ -185,12 +200,16 @@ fn in_file(plan: &Plan, quad: &Quad) -> [DVec2; 4] {
     quad.map(|p| plan.frame.file_from_um(p))
 }
 
-/// What was demolished as an outline, with the faces that it had.
+/// The outline of what goes, with the faces that it had, plan frame.
+pub(super) fn outline(plan: &Plan, quad: &Quad) -> [DVec2; 4] {
+    let [a, b, c, d] = quad.map(|p| plan.frame.plan_from_um(p));
+    let across = (d - a).normalize_or_zero() * (COVER_M * plan.human_scale);
+    [a + across, b + across, c - across, d - across]
+}
+
+/// What was demolished as an outline.
 fn demolished(plan: &Plan, quad: &Quad) -> Addition {
-    let [a, b, c, d] = in_file(plan, quad);
-    let cover = COVER_M * plan.human_scale / plan.frame.metres_per_unit;
-    let across = (d - a).normalize_or_zero() * cover;
-    let points = vec![a + across, b + across, c - across, d - across];
+    let points = outline(plan, quad).map(|p| plan.frame.file_from_plan(p)).to_vec();
     let mark = Mark::Path { points, closed: true };
     Addition { layer: DEMOLISHED.into(), rgb: DEMOLISHED_RGB, mark }
 }
@@ -205,8 +224,8 @@ fn probe(plan: &Plan, quad: &Quad) -> Probe {
     Probe { inside, beside: [right, left] }
 }
 
-/// A work as tables of the side-car, and why it stands there.
-pub(super) fn beside(base: &Understood, walls: &[Wall], work: &Work, why: String) -> Written {
+/// A work as tables of the side-car.
+pub(super) fn beside(base: &Understood, walls: &[Wall], work: &Work) -> Vec<WorkTable> {
     let plan = &base.plan;
     let (kind, text) = match work.kind {
         WorkKind::Remove | WorkKind::End => ("remove", None),
@@ -226,5 +245,5 @@ pub(super) fn beside(base: &Understood, walls: &[Wall], work: &Work, why: String
             .filter(|m| *m > 0.0)
             .map(|m| format!("{m:.3}m")),
     });
-    Written { tables: gone.chain(new).collect(), why: Some(why), ..Written::default() }
+    gone.chain(new).collect()
 }

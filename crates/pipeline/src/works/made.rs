@@ -3,13 +3,16 @@
 use super::edits::{Written, beside, written};
 use super::{Floor, listed};
 use crate::analyse::measure;
-use crate::job::Input;
+use crate::job::{Input, Job};
+use crate::measure::parts::stopping;
 use crate::measure::study::Study;
 use crate::read;
+use crate::understand::understood;
 use enfilade_config::{Settings, WorkTable};
 use enfilade_engine::Obstacles;
+use enfilade_engine::geometry::Segment;
 use enfilade_engine::visibility::visibility_graph;
-use enfilade_overlay::works::LEAST_SHOWN;
+use enfilade_overlay::works::{LEAST_SHOWN, OptionWork};
 use enfilade_plan::view_box;
 use enfilade_report::{Cancel, Error, Place, Report};
 use enfilade_works::Work;
@@ -52,21 +55,15 @@ pub fn make_works(
         })
     });
     let works = works.collect::<Result<Vec<_>, _>>()?;
-    let all = together((input, settings), (&study, &floor), &works, &mut report)?;
-    let options = read::read_options(settings);
-    let bytes = enfilade_cad::patch(input.file(), &input.bytes, &options, &all.edits, &all.additions)?;
-    let again = Settings { works: [&settings.works[..], &all.tables].concat(), ..settings.clone() };
-    let (then, _) = measure(&Input::new(input.path, &bytes, input.round), &again, None, &mut || {}, cancel)?;
-    let now = floor.obstacles.segments.clone();
-    let planned = works.iter().fold(now.clone(), |segments, (_, work)| work.change.apply(&segments));
+    let made = Together::make(Job { input, settings }, (&study, &floor), &works)?;
+    report.extend(made.report.clone());
     // Over the cells of the layout before.
-    let sights = |segments| {
-        let obstacles = Obstacles { segments, blind: floor.obstacles.blind.clone() };
+    let sights = |segments: &[Segment]| {
+        let obstacles = Obstacles { segments: segments.to_vec(), blind: floor.obstacles.blind.clone() };
         degrees(&study.lattice, &visibility_graph(&study.lattice, &obstacles)) as f64
     };
-    let before = sights(now).max(1.0);
-    let [expected, gain] =
-        [planned, then.initial_obstacles().segments].map(|segments| sights(segments) / before - 1.0);
+    let before = sights(&floor.obstacles.segments).max(1.0);
+    let [expected, gain] = [&made.meant, &made.lines].map(|segments| sights(segments) / before - 1.0);
     if (gain - expected).abs() >= LEAST_SHOWN {
         let text = format!(
             "The program reads the new drawing differently also where nothing changed: visibility {:+.1} %, \
@@ -76,8 +73,86 @@ pub fn make_works(
         );
         report.warn("work-differs", Place::file(input.file()), text);
     }
-    Ok(MadeWorks { bytes, tables: all.tables, expected, gain, report })
+    Ok(MadeWorks { bytes: made.bytes, tables: made.written.tables, expected, gain, report })
 }
+
+/// Works made in one drawing, which was read again.
+pub(crate) struct Together {
+    /// How they are written.
+    pub(crate) written: Written,
+    /// The drawing with them, without layers of ours but that of what was demolished.
+    pub(crate) bytes: Vec<u8>,
+    /// What is to stop sight in it.
+    pub(super) meant: Vec<Segment>,
+    /// What does, of the file read again.
+    pub(super) lines: Vec<Segment>,
+    /// What there is to say.
+    pub(super) report: Report,
+}
+
+impl Together {
+    /// Makes works of a floor, each with its number in the list.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for works that change the same entity; what writing and reading return.
+    pub(crate) fn make(
+        Job { input, settings }: Job<'_>,
+        (study, floor): (&Study, &Floor),
+        works: &[(usize, &Work)],
+    ) -> Result<Self, Error> {
+        let mut report = Report::default();
+        let written = together((input, settings), (study, floor), works, &mut report)?;
+        let options = read::read_options(settings);
+        let bytes =
+            enfilade_cad::patch(input.file(), &input.bytes, &options, &written.edits, &written.additions)?;
+        let settings =
+            Settings { works: [&settings.works[..], &written.tables].concat(), ..settings.clone() };
+        let own = Input::new(input.path, &bytes, input.round);
+        let mut silent = Report::default();
+        let drawing = read::drawing(own.file(), &own.bytes, &settings, &mut silent)?;
+        let base = understood(&drawing, &settings, &mut silent)?;
+        let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
+        let lines = stopping(&base, &identity);
+        drop(own);
+        let drawn = floor.obstacles.segments.clone();
+        let meant = works.iter().fold(drawn, |segments, (_, work)| work.change.apply(&segments));
+        Ok(Self { written, bytes, meant, lines, report })
+    }
+}
+
+/// The drawing with the works of an option, which the list of the same drawing has too.
+///
+/// # Errors
+/// [`Error::Input`] where the list has one of them no longer; as [`Together::make`].
+pub(crate) fn of_option(job: Job<'_>, wanted: &[OptionWork]) -> Result<Together, Error> {
+    let Job { input, settings } = job;
+    let cancel = Cancel::default();
+    let (study, _) = measure(input, settings, None, &mut || {}, &cancel)?;
+    let floor = Floor::of(&study, settings)?;
+    let found = floor.works(&study, &cancel)?;
+    let listed = listed(&found.works);
+    let frame = &study.base.plan.frame;
+    let is_near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= SAME_M;
+    let is = |work: &Work, wanted: &OptionWork| {
+        let ends = work.stretch.map(|p| frame.drawing_m_from_plan(p));
+        work.kind.name() == wanted.kind && (0..2).all(|k| is_near(ends[k], wanted.stretch[k]))
+    };
+    let works = wanted.iter().map(|wanted| {
+        let place = listed.iter().position(|work| is(work, wanted));
+        place.map(|i| (i + 1, listed[i])).ok_or_else(|| {
+            let text = format!(
+                "{}: the drawing no longer has this place; nothing was written; run it again and accept from the new round",
+                wanted.words
+            );
+            Error::input("works-changed", Place::file(input.file()), text)
+        })
+    });
+    let works = works.collect::<Result<Vec<_>, _>>()?;
+    Together::make(job, (&study, &floor), &works)
+}
+
+/// Ends of a stretch are told to the millimetre.
+const SAME_M: f64 = 1.5e-3;
 
 /// All works as one set of changes.
 fn together(
@@ -90,23 +165,28 @@ fn together(
     // As it was understood: marks name its entities by their place.
     let drawing = view_box::within(&drawing, settings.view.as_deref());
     let options = read::read_options(settings);
-    let mut all = Written::default();
+    let in_file = |works: &[&Work]| {
+        let written = written(&study.base, (&drawing, &input.bytes), &floor.walls, works)?;
+        let patched = enfilade_cad::patch(input.file(), &input.bytes, &options, &written.edits, &[]);
+        patched.map(|_| written).map_err(|e| e.to_string())
+    };
+    let (mut held, mut tables): (Vec<&Work>, Vec<WorkTable>) = (Vec::new(), Vec::new());
     for (id, work) in works {
-        let mut one = written(&study.base, (&drawing, &input.bytes), &floor.walls, work);
-        if let Err(e) = enfilade_cad::patch(input.file(), &input.bytes, &options, &one.edits, &[]) {
-            one = beside(&study.base, &floor.walls, work, e.to_string());
+        match in_file(&[*work]) {
+            Ok(_) => held.push(*work),
+            Err(why) => {
+                let text = format!("The side-car of the new drawing decides work {id}: {why}.");
+                report.info("work-decided", Place::file(input.file()), text);
+                tables.extend(beside(&study.base, &floor.walls, work));
+            }
         }
-        if let Some(why) = &one.why {
-            let text = format!("The side-car of the new drawing decides work {id}: {why}.");
-            report.info("work-decided", Place::file(input.file()), text);
-        }
-        if one.edits.iter().any(|e| all.edits.iter().any(|o| o.record() == e.record())) {
-            let text = format!("work {id} changes the same entity as another one; make one after the other");
-            return Err(Error::usage("work", Place::default(), text));
-        }
-        all.edits.extend(one.edits);
-        all.additions.extend(one.additions);
-        all.tables.extend(one.tables);
     }
-    Ok(all)
+    if held.is_empty() {
+        return Ok(Written { tables, ..Written::default() });
+    }
+    let written = in_file(&held).map_err(|why| {
+        let text = format!("the works cannot be made together ({why}); make one after the other");
+        Error::usage("work", Place::default(), text)
+    })?;
+    Ok(Written { tables, ..written })
 }

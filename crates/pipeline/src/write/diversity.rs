@@ -22,8 +22,10 @@ pub(crate) fn pairs(study: &Study, made: &[Made]) -> Vec<([usize; 2], f64)> {
     let apart = |i: usize, j: usize| {
         normalised_distance(&bounds, &made[i].member.parameters, &made[j].member.parameters)
     };
-    let after = |i: usize| (i + 1..made.len()).map(move |j| ([i, j], apart(i, j)));
-    (0..made.len()).flat_map(after).collect()
+    // Works have no parameters by which they could stand apart.
+    let moving: Vec<usize> = (0..made.len()).filter(|i| made[*i].built.is_none()).collect();
+    let after = |(k, i): (usize, &usize)| moving[k + 1..].iter().map(|j| [*i, *j]).collect::<Vec<_>>();
+    moving.iter().enumerate().flat_map(after).map(|[i, j]| ([i, j], apart(i, j))).collect()
 }
 
 pub(crate) fn distances(study: &Study, made: &[Made]) -> Diversity {

@@ -78,7 +78,11 @@ pub(crate) fn pictures(job: Job<'_>, study: &Study, made: &[&Made]) -> Result<Ve
     let Job { input, settings } = job;
     let shown = shown(settings, study, made);
     let present = show::picture(&study.base);
-    let moved: Vec<_> = made.iter().map(|m| traces::moved_picture(&study.base, &m.layout)).collect();
+    let picture = |m: &&Made| match &m.built {
+        Some(built) => built.picture.clone(),
+        None => traces::moved_picture(&study.base, &m.layout),
+    };
+    let moved: Vec<_> = made.iter().map(picture).collect();
     let jobs: Vec<(usize, usize)> =
         (0..shown.len()).flat_map(|s| (0..=made.len()).map(move |m| (s, m))).collect();
     let files = jobs.par_iter().map(|(s, m)| {
@@ -141,20 +145,28 @@ pub(crate) fn drawings(
                     return Err(Error::usage("best", Place::file(input.file()), "no best layout".to_owned()));
                 };
                 let mut lines = vec![format!("{} of {}", sentence_case(&m.title()), input.file())];
-                lines.extend(note_lines(
-                    &by_north(&result.moves, result.input.north_deg),
-                    &m.member.parameters,
-                    &gains_words(study, &result.initial.mean, mean, gain),
-                    &explanation.parts,
-                ));
+                let gains = gains_words(study, &result.initial.mean, mean, gain);
+                lines.extend(match &m.built {
+                    Some(built) => built.note_lines(&gains),
+                    None => note_lines(
+                        &by_north(&result.moves, result.input.north_deg),
+                        &m.member.parameters,
+                        &gains,
+                        &explanation.parts,
+                    ),
+                });
                 lines.extend(explained(explanation));
                 let Traces { now, before, arrows } = &traces;
                 additions.extend(moved_additions(now, before, &lines, bounds));
                 additions.extend(arrow_additions(arrows, bounds));
-                (m.name.clone(), m.edits.clone())
+                let built = m.built.iter().flat_map(|b| &b.edits);
+                (m.name.clone(), m.edits.iter().chain(built).cloned().collect())
             }
         };
-        let additions = show::to_drawing_units(&study.base.plan, additions);
+        let mut additions = show::to_drawing_units(&study.base.plan, additions);
+        // What was demolished lies in the drawing's own units already.
+        let built = of.and_then(|i| made[i].built.as_ref());
+        additions.extend(built.into_iter().flat_map(|b| b.additions.iter().cloned()));
         let options = read::read_options(settings);
         let bytes = enfilade_cad::patch(input.file(), &input.bytes, &options, &edits, &additions)?;
         Ok(OutFile::new(format!("{name}.{}", study.base.plan.format.name()), bytes))
@@ -176,7 +188,11 @@ pub(crate) fn convergence(found: Option<&Found>) -> Result<Vec<u8>, Error> {
 }
 
 pub(crate) fn diversity(study: &Study, made: &[Made]) -> Result<Vec<u8>, Error> {
-    let strokes: Vec<_> = made.iter().map(|m| traces::of(&study.base, &m.layout).now).collect();
+    let strokes = |m: &Made| match &m.built {
+        Some(built) => built.strokes.clone(),
+        None => traces::of(&study.base, &m.layout).now,
+    };
+    let strokes: Vec<_> = made.iter().map(strokes).collect();
     let labels: Vec<String> = (1..=made.len()).map(|i| format!("option {i}")).collect();
     diversity_png(&show::picture(&study.base), &strokes, &labels, DEFAULT_SIDE_PX)
 }

@@ -1,10 +1,13 @@
 //! An option made real.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::measure::worth::Worth;
+use crate::works::options::BuildingOption;
 use enfilade_cad::drawing::Edit;
 use enfilade_moves::Layout;
+use enfilade_overlay::result::{Explanation, Gains};
 use enfilade_report::Report;
 
 /// A member made real: its layout, its bytes without our layers, and what these are worth.
@@ -21,6 +24,12 @@ pub(crate) struct Made {
     pub(crate) host_ids: BTreeMap<u64, String>,
     pub(crate) report: Report,
     pub(crate) name: String,
+    /// Which moves bring the gain.
+    pub(crate) explanation: Explanation,
+    /// Confirmed gains; empty where nothing was confirmed.
+    pub(crate) gains: Gains,
+    /// What it builds beside what it moves.
+    pub(crate) built: Option<Arc<BuildingOption>>,
 }
 
 impl Made {

@@ -3,6 +3,7 @@
 use crate::confirm::found::Found;
 use crate::job::{Input, Job};
 use crate::works::Listed;
+use crate::write::made::Made;
 use crate::write::maps::Map;
 use enfilade_config::{Allow, Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure};
 use enfilade_overlay::measure::CHANGE;
@@ -19,7 +20,7 @@ pub(crate) fn page(
     result: &RoundResult,
     (files, maps): (&[OutFile], &[Map]),
     (understood, works): (&[u8], Option<&Listed>),
-    found: Option<&Found>,
+    (found, made): (Option<&Found>, &[Made]),
 ) -> String {
     let Job { input, settings } = job;
     let png = |name: &str| files.iter().find(|f| f.path.as_os_str() == name).map(|f| f.bytes.as_slice());
@@ -30,7 +31,7 @@ pub(crate) fn page(
         names.iter().map(|(k, f)| (k.as_str(), f.as_str())).filter_map(view).collect::<Vec<_>>()
     };
     let stems = (1..=result.candidates.len()).map(|i| format!("candidate-{i}"));
-    let (archive_axes, archive) = archive(result, found);
+    let (archive_axes, archive) = archive(result, found, made);
     report_html(&ReportInput {
         result,
         round: input.round,
@@ -53,7 +54,7 @@ pub(crate) fn page(
 const FRONT_AMONG_MAX: usize = 4_000;
 
 /// An even sample of what was measured, the Pareto front and the members.
-fn archive(result: &RoundResult, found: Option<&Found>) -> (Vec<String>, Vec<ArchivePoint>) {
+fn archive(result: &RoundResult, found: Option<&Found>, made: &[Made]) -> (Vec<String>, Vec<ArchivePoint>) {
     let Some(found) = found else { return (Vec::new(), Vec::new()) };
     let axes: Vec<String> = result.objectives.iter().map(|o| o.name.clone()).collect();
     let spread = |most: usize| found.archive.iter().step_by(found.archive.len().div_ceil(most).max(1));
@@ -64,8 +65,8 @@ fn archive(result: &RoundResult, found: Option<&Found>) -> (Vec<String>, Vec<Arc
         |values: &Vec<f64>, is_front| ArchivePoint { values: values.clone(), candidate: None, is_front };
     let mut out: Vec<ArchivePoint> = spread(ARCHIVE_SHOWN_MAX).map(|v| point(v, false)).collect();
     out.extend(front(&among, &signs).into_iter().map(|v| point(v, true)));
-    for (i, member) in found.members.iter().enumerate() {
-        out.push(ArchivePoint { values: member.values.clone(), candidate: Some(i), is_front: false });
+    for (i, m) in made.iter().enumerate() {
+        out.push(ArchivePoint { values: m.member.values.clone(), candidate: Some(i), is_front: false });
     }
     (axes, out)
 }

@@ -5,13 +5,14 @@ use crate::job::Job;
 use crate::measure::ruler::ruler;
 use crate::measure::study::Study;
 use crate::round::Round;
+use crate::works::Offer;
 use crate::write::changes::changes;
 use crate::write::diversity::{distances, likeness};
 use crate::write::made::Made;
 use crate::write::{along, doors, leaving, show};
 use enfilade_config::Settings;
 use enfilade_overlay::result::{
-    self, Best, Candidate, Diversity, Explanation, Gains, LineageEntry, MoveEntry, Numbers, RoundResult,
+    self, Best, Candidate, Diversity, Gains, LineageEntry, MoveEntry, Numbers, Objective, RoundResult,
 };
 use enfilade_overlay::words;
 use enfilade_report::Report;
@@ -19,7 +20,7 @@ use enfilade_report::Report;
 pub(crate) fn round_result(
     round: &Round<'_>,
     report: &Report,
-    found: Option<&Found>,
+    (found, offer): (Option<&Found>, Option<&Offer>),
     (made, best): (&[Made], Option<&Made>),
 ) -> RoundResult {
     let Round { job: Job { input, settings }, study, started, .. } = *round;
@@ -32,16 +33,11 @@ pub(crate) fn round_result(
         mean: show::mean_numbers(study, &study.initial),
         penalty: show::penalty_numbers(&study.initial),
     };
-    let none = Explanation::default();
-    let explanations = found.map_or(&[][..], |f| &f.explanations);
-    let gains = found.map_or(&[][..], |f| &f.gains);
-    let of = |(i, m): (usize, &Made)| {
-        let told = (explanations.get(i).unwrap_or(&none), gains.get(i).cloned().unwrap_or_default());
-        candidate(settings, study, &moves, &initial.mean, m, told)
-    };
-    let candidates = made.iter().enumerate().map(of).collect();
+    let of = |m: &Made| candidate(settings, study, &moves, &initial.mean, m);
+    let candidates = made.iter().map(of).collect();
+    let all = made;
     let best = found.and_then(|f| f.best.as_ref()).zip(best).map(|(found, made)| {
-        let of = candidate(settings, study, &moves, &initial.mean, made, (&none, found.gains.clone()));
+        let of = candidate(settings, study, &moves, &initial.mean, made);
         Best {
             file: of.file,
             parameters: of.parameters,
@@ -50,7 +46,7 @@ pub(crate) fn round_result(
             score: of.score,
             gain: of.gain,
             words: of.words,
-            option: found.option,
+            option: found.option.and_then(|_| same_as(made, all)),
             changes: of.changes,
         }
     });
@@ -64,7 +60,7 @@ pub(crate) fn round_result(
         lattice_centre: crate::write::show::lattice_centre(study),
         initial,
         moves,
-        objectives: found.map_or(Vec::new(), |f| f.objectives.clone()),
+        objectives: found.map_or_else(|| of_works(offer), |f| f.objectives.clone()),
         candidates,
         best,
         diversity: Diversity { likeness: likeness(study, made), ..distances(study, made) },
@@ -78,24 +74,41 @@ pub(crate) fn round_result(
     }
 }
 
+/// Which option a layout is, from 1: by its parameters, else by what it measures.
+fn same_as(best: &Made, options: &[Made]) -> Option<usize> {
+    let moving = |m: &&Made| m.built.is_none();
+    let at = |is: &dyn Fn(&Made) -> bool| options.iter().position(|m| moving(&m) && is(m));
+    let by_parameters = at(&|m| m.member.parameters == best.member.parameters);
+    by_parameters.or_else(|| at(&|m| m.member.values == best.member.values)).map(|i| i + 1)
+}
+
+/// What is asked for where nothing was searched and works are options.
+fn of_works(offer: Option<&Offer>) -> Vec<Objective> {
+    offer.filter(|o| !o.options.is_empty()).map_or(Vec::new(), |o| o.objectives.clone())
+}
+
 pub(crate) fn candidate(
     settings: &Settings,
     study: &Study,
     moves: &[MoveEntry],
     initial: &Numbers,
     made: &Made,
-    (explanation, gain): (&Explanation, Gains),
 ) -> Candidate {
     let mean = show::mean_numbers(study, &made.worth);
+    let (explanation, gain) = (&made.explanation, made.gains.clone());
+    let told = gains_words(study, initial, &mean, &gain);
     Candidate {
         file: format!("{}.{}", made.name, study.base.plan.format.name()),
         parameters: made.member.parameters.clone(),
-        words: words::words(
-            &words::by_north(moves, study.base.plan.north_deg),
-            &made.member.parameters,
-            &gains_words(study, initial, &mean, &gain),
-            explanation,
-        ) + &along::goes_along_words(&study.base, made)
+        words: match &made.built {
+            Some(built) => built.words(&told),
+            None => words::words(
+                &words::by_north(moves, study.base.plan.north_deg),
+                &made.member.parameters,
+                &told,
+                explanation,
+            ),
+        } + &along::goes_along_words(&study.base, made)
             + &along::unseen_words(made)
             + &leaving::leaving_words(&study.base.plan, &made.layout)
             + &doors::narrowed_words(&study.base, &made.layout)
@@ -107,6 +120,7 @@ pub(crate) fn candidate(
         gain,
         within_threshold: made.member.within_threshold && explanation.breaks.is_empty(),
         changes: changes(study, made),
+        works: made.built.as_ref().map_or(Vec::new(), |b| b.works.clone()),
     }
 }
 

@@ -7,6 +7,7 @@ use crate::confirm::nothing::{GROUPS_TOLD, group_names, held_back, none_better, 
 use crate::measure::study::Study;
 use crate::search::judged::{is_firm, pinned};
 use crate::search::rules::broken_limits;
+use crate::write::made::Made;
 use enfilade_cad::drawing::Format;
 use enfilade_config::{Method, Mode, Settings, Snap};
 use enfilade_moves::Parameter;
@@ -124,11 +125,15 @@ pub(crate) fn say_options(
     file: &str,
     study: &Study,
     settings: &Settings,
-    (found, made): (&Found, usize),
+    (found, made, built): (&Found, usize, usize),
 ) {
     let place = || Place::file(file);
     if let Some(why) = &found.no_option {
-        report.warn("no-option", place(), why.clone() + &limits_words(study, settings, found));
+        let text = why.clone() + &limits_words(study, settings, found);
+        match built {
+            0 => report.warn("no-option", place(), text),
+            _ => report.info("no-move", place(), text),
+        }
         return;
     }
     if found.unconfirmed > 0 {
@@ -172,7 +177,7 @@ pub(crate) fn say_options(
         report.warn("options-left-out", place(), left_out_words(study, settings, made));
     } else if found.unworthy == 0 && settings.mode == Mode::Diverse && made < settings.members {
         let kept = pinned(settings).min(made);
-        let inside = found.members.iter().skip(kept).filter(|m| m.within_threshold).count();
+        let inside = built + found.members.iter().skip(kept).filter(|m| m.within_threshold).count();
         let text = format!(
             "{inside} of {} found inside all thresholds{}. {}",
             counted(settings.members as u64, "option"),
@@ -244,10 +249,18 @@ pub(crate) fn say_alikeness(report: &mut Report, file: &str, settings: &Settings
 const ALIKE: f64 = 0.5;
 
 /// The moves that bring a part of the gain in every option.
-pub(crate) fn shared_parts(explanations: &[Explanation]) -> Vec<String> {
-    let Some((first, others)) = explanations.split_first() else { return Vec::new() };
-    let is_shared = |name: &String| others.iter().all(|e| e.parts.iter().any(|p| p.name == *name));
-    first.parts.iter().map(|p| p.name.clone()).filter(is_shared).map(|n| sentence_case(&n)).collect()
+pub(crate) fn shared_parts(made: &[Made]) -> Vec<String> {
+    let Some((first, others)) = made.split_first() else { return Vec::new() };
+    let is_shared =
+        |name: &String| others.iter().all(|m| m.explanation.parts.iter().any(|p| p.name == *name));
+    first
+        .explanation
+        .parts
+        .iter()
+        .map(|p| p.name.clone())
+        .filter(is_shared)
+        .map(|n| sentence_case(&n))
+        .collect()
 }
 
 /// Says where options are alike to the people in them, and which moves make them so.

@@ -1,0 +1,311 @@
+//! Options that build: sets of works that differ, made in the drawing, read again and confirmed.
+
+use super::edits::{built_axis, filling, outline, thickness_m};
+use super::made::Together;
+use super::{Floor, Listed, shown};
+use crate::confirm::confirmed;
+use crate::confirm::ideas::{Experience, SAME_MAPS};
+use crate::job::Job;
+use crate::measure::study::Study;
+use crate::measure::worth::Worth;
+use crate::search::brief::{Aims, is_bare};
+use crate::search::judged::{evaluation, gained};
+use crate::understand::understood::Understood;
+use enfilade_cad::drawing::{Addition, Edit, Filling};
+use enfilade_config::{Mode, Settings};
+use enfilade_engine::geometry::Segment;
+use enfilade_overlay::picture::{PlanPicture, Stroke};
+use enfilade_overlay::result::{Gains, Objective, Sense};
+use enfilade_overlay::works::{BuiltWall, Effort, LEAST_SHOWN, OptionWork, WorkEntry};
+use enfilade_report::{Cancel, Error, Place, Report};
+use enfilade_works::{RoomId, Work};
+use glam::DVec2;
+use rayon::prelude::*;
+
+/// Single works that are looked at, the best of each pair of rooms.
+const SINGLES: usize = 12;
+/// The best of these of which pairs are looked at.
+const PAIRED: usize = 5;
+/// A further work of a set brings at least this share of what the set gains; else nobody would pay for it.
+const FURTHER: f64 = 0.1;
+/// Sets made beyond those wanted, for those that read otherwise than meant.
+const RESERVES: usize = 2;
+
+/// An option that builds.
+pub(crate) struct BuildingOption {
+    /// Its works, as `result.json` has them.
+    pub(crate) works: Vec<OptionWork>,
+    /// Their names in one line.
+    pub(crate) title: String,
+    /// Whether more of a private room is seen while its door stands open.
+    shows_private: bool,
+    /// What they cost together.
+    pub(crate) effort: Effort,
+    /// Of the objectives, as the layouts of the search have them.
+    pub(crate) values: Vec<f64>,
+    /// Whether it keeps the thresholds of the search.
+    pub(crate) is_within: bool,
+    /// Confirmed gains.
+    pub(crate) gains: Gains,
+    /// What the file is worth, read again.
+    pub(crate) worth: Worth,
+    /// How the works are written.
+    pub(crate) edits: Vec<Edit>,
+    /// What was demolished, drawing units.
+    pub(crate) additions: Vec<Addition>,
+    /// What goes, and what is built, plan frame.
+    pub(crate) strokes: Vec<Stroke>,
+    /// The plan with the works.
+    pub(crate) picture: PlanPicture,
+    /// What there is to say.
+    pub(crate) report: Report,
+}
+
+/// Said of works that are allowed since doors of private rooms are shut.
+const SHOWS_PRIVATE: &str = "It shows more of a private room while that room's door stands open";
+
+impl BuildingOption {
+    /// `An opening of 1.8 m between kitchen and living room; visibility +9 % (8 to 10 %). 1.8 m of wall goes.`
+    pub(crate) fn words(&self, gains: &str) -> String {
+        let lines = self.note_lines(gains);
+        let private = if self.shows_private { SHOWS_PRIVATE } else { "" };
+        let sentences = [lines.join("; "), self.effort.words(), private.to_owned()];
+        let sentences = sentences.into_iter().filter(|s| !s.is_empty()).map(|s| s + ".");
+        sentences.collect::<Vec<_>>().join(" ")
+    }
+
+    /// The same in lines for the note in the drawing.
+    pub(crate) fn note_lines(&self, gains: &str) -> Vec<String> {
+        [self.title.as_str(), gains].into_iter().filter(|l| !l.is_empty()).map(str::to_owned).collect()
+    }
+}
+
+/// Whether works are looked for as options: where nobody said what may move, or somebody allowed works.
+pub(crate) fn are_wanted(base: &Understood, settings: &Settings) -> bool {
+    let is_allowed = !base.plan.markers.allowed.is_empty();
+    let is_unsaid =
+        base.moves.are_default || base.moves.parameters.is_empty() && base.plan.markers.groups.is_empty();
+    !is_bare(settings) && settings.mode == Mode::Diverse && (is_allowed || is_unsaid && !settings.only_marked)
+}
+
+/// Works that are made together, with what is known of them on the lattice shown.
+#[derive(Clone)]
+struct Set {
+    /// Places in the list, ascending.
+    works: Vec<usize>,
+    lines: Vec<Segment>,
+    values: Vec<f64>,
+    gain: f64,
+    experience: Experience,
+}
+
+/// What options that build are judged by.
+#[derive(Clone, Copy)]
+pub(crate) struct Judges<'a> {
+    /// On the lattice that is shown.
+    pub(crate) study: &'a Study,
+    /// On the lattices that are searched on.
+    pub(crate) trial: &'a Study,
+    /// What is asked for.
+    pub(crate) objectives: &'a Aims,
+    /// The same as results tell it, with what options keep.
+    pub(crate) told: &'a [Objective],
+}
+
+/// Finds sets of works.
+struct Builder<'a> {
+    job: Job<'a>,
+    judges: Judges<'a>,
+    listed: &'a Listed,
+}
+
+/// The options that build, the best first; none that reads otherwise than meant.
+///
+/// # Errors
+/// [`Error::Stopped`].
+pub(crate) fn options(
+    job: Job<'_>,
+    judges: Judges<'_>,
+    listed: &Listed,
+    report: &mut Report,
+    cancel: &Cancel,
+) -> Result<Vec<BuildingOption>, Error> {
+    let Judges { study, objectives, .. } = judges;
+    let builder = Builder { job, judges, listed };
+    let wanted = job.settings.members;
+    let sets = unlike(builder.sets(cancel)?, wanted + RESERVES);
+    cancel.check()?;
+    let gains = confirmed::gains_of(study, job.settings, objectives, sets.len(), &|on| {
+        sets.par_iter().map(|s| on.measure_walls(&s.lines)).collect()
+    });
+    cancel.check()?;
+    let sure = sets.iter().zip(gains);
+    let sure: Vec<_> =
+        sure.filter(|(_, g)| confirmed::is_confirmed(objectives, g, job.settings.least_gain)).collect();
+    let made: Vec<Option<BuildingOption>> =
+        sure.into_par_iter().map(|(set, gains)| builder.make(set, gains)).collect();
+    let withheld = made.iter().filter(|m| m.is_none()).count();
+    if withheld > 0 {
+        let text = format!(
+            "Works left out because the program reads the drawing with them otherwise than meant: {withheld}."
+        );
+        report.info("works-withheld", Place::file(job.input.file()), text);
+    }
+    let mut out: Vec<BuildingOption> = made.into_iter().flatten().collect();
+    out.sort_by(|a, b| {
+        confirmed::total(objectives, &b.gains).total_cmp(&confirmed::total(objectives, &a.gains))
+    });
+    out.truncate(wanted);
+    Ok(out)
+}
+
+/// The sets that differ from those before, the best single works first, behind them what two or three bring together.
+fn unlike(sets: Vec<Set>, most: usize) -> Vec<Set> {
+    let mut out: Vec<Set> = Vec::new();
+    for set in sets {
+        if out.len() < most && out.iter().all(|o| o.experience.likeness(&set.experience) <= SAME_MAPS) {
+            out.push(set);
+        }
+    }
+    out
+}
+
+/// Whether a value keeps the limit of an objective.
+fn keeps(o: &Objective, value: f64) -> bool {
+    o.limit.is_none_or(|limit| if o.sense == Sense::Max { value >= limit } else { value <= limit })
+}
+
+impl Builder<'_> {
+    fn floor(&self) -> &Floor {
+        &self.listed.floor
+    }
+
+    fn work(&self, place: usize) -> &Work {
+        &self.listed.found[place]
+    }
+
+    /// Single works by what they gain, then the best pair and what a third adds to it; all that gain.
+    fn sets(&self, cancel: &Cancel) -> Result<Vec<Set>, Error> {
+        let entries = self.listed.result.different(true, SINGLES);
+        let singles: Vec<Vec<usize>> = entries.iter().map(|e| vec![e.id - 1]).collect();
+        let singles = self.measured(singles);
+        cancel.check()?;
+        let best: Vec<usize> = singles.iter().take(PAIRED).map(|s| s.works[0]).collect();
+        let pairs = best.iter().enumerate().flat_map(|(i, a)| best[i + 1..].iter().map(|b| [*a, *b]));
+        let pairs = pairs.filter(|[a, b]| self.go_together(*a, *b)).map(|p| p.to_vec()).collect();
+        let mut sets = self.longer(self.measured(pairs), &singles);
+        cancel.check()?;
+        if let Some(pair) = sets.first().cloned() {
+            let third = best.iter().filter(|c| pair.works.iter().all(|w| self.go_together(*w, **c)));
+            let triples = third.map(|c| [&pair.works[..], &[*c]].concat()).collect();
+            let triples = self.longer(self.measured(triples), std::slice::from_ref(&pair));
+            sets.splice(0..0, triples);
+        }
+        // The room that one more set takes is the last single's.
+        let free = self.job.settings.members.saturating_sub(1).min(singles.len());
+        let mut out = singles;
+        out.splice(free..free, sets);
+        Ok(out)
+    }
+
+    /// Those of longer sets in which each work more brings its share, over the best set that they hold.
+    fn longer(&self, sets: Vec<Set>, shorter: &[Set]) -> Vec<Set> {
+        let holds = |set: &Set, part: &Set| part.works.iter().all(|w| set.works.contains(w));
+        let pays = |set: &Set| {
+            let parts = shorter.iter().filter(|s| holds(set, s)).map(|s| s.gain);
+            set.gain * (1.0 - FURTHER) >= parts.fold(0.0, f64::max)
+        };
+        sets.into_iter().filter(pays).collect()
+    }
+
+    /// Whether two works touch neither the same wall nor join the same rooms.
+    fn go_together(&self, a: usize, b: usize) -> bool {
+        let (a, b) = (self.work(a), self.work(b));
+        let sorted = |mut pair: [Option<RoomId>; 2]| {
+            pair.sort_unstable();
+            pair
+        };
+        a.walls.iter().all(|w| !b.walls.contains(w)) && sorted(a.rooms) != sorted(b.rooms)
+    }
+
+    /// Sets with what they gain, those that gain first; none that breaks a limit.
+    fn measured(&self, sets: Vec<Vec<usize>>) -> Vec<Set> {
+        let Self { job: Job { settings, .. }, judges: Judges { study, trial, objectives, .. }, .. } = *self;
+        let one = |works: Vec<usize>| {
+            let drawn = self.floor().obstacles.segments.clone();
+            let lines = works.iter().fold(drawn, |lines, w| self.work(*w).change.apply(&lines));
+            let worth = study.measure_walls(&lines);
+            if evaluation(study, settings, objectives, &worth).violation > 0.0 {
+                return None;
+            }
+            let on_trial = trial.measure_walls(&lines);
+            let values = evaluation(trial, settings, objectives, &on_trial).values;
+            let gain = gained(trial, settings, objectives, &on_trial);
+            Some(Set { works, lines, values, gain, experience: Experience::of(study, &worth) })
+        };
+        let found: Vec<Option<Set>> = sets.into_par_iter().map(one).collect();
+        let mut out: Vec<Set> = found.into_iter().flatten().filter(|s| s.gain > 0.0).collect();
+        // What shows more of a private room, if only through its open door, comes last.
+        let shows = |s: &Set| s.works.iter().any(|w| self.work(*w).shows_through_doors);
+        out.sort_by(|a, b| shows(a).cmp(&shows(b)).then_with(|| b.gain.total_cmp(&a.gain)));
+        out
+    }
+
+    /// The drawing with a set; `None` where it reads otherwise than meant.
+    fn make(&self, set: &Set, gains: Gains) -> Option<BuildingOption> {
+        let Self { job, judges: Judges { study, told, .. }, .. } = *self;
+        let works: Vec<(usize, &Work)> = set.works.iter().map(|w| (w + 1, self.work(*w))).collect();
+        let made = Together::make(job, (study, self.floor()), &works).ok()?;
+        let [meant, worth] = [&made.meant, &made.lines].map(|lines| study.measure_walls(lines));
+        let seen = |worth: &Worth| worth.seen.means.degree;
+        if (seen(&worth) - seen(&meant)).abs() > LEAST_SHOWN * seen(&study.initial) {
+            return None;
+        }
+        let entries: Vec<&WorkEntry> =
+            set.works.iter().filter_map(|w| self.listed.result.works.get(*w)).collect();
+        let (plain, walls) = (works.iter().map(|w| w.1).collect::<Vec<_>>(), &self.floor().walls);
+        let none = Effort::default();
+        Some(BuildingOption {
+            works: works.iter().zip(&entries).map(|((_, work), entry)| self.told(work, entry)).collect(),
+            title: self.listed.result.titles(&entries),
+            effort: entries.iter().fold(none, |all, e| all.and(&e.effort)),
+            is_within: told.iter().zip(&set.values).all(|(o, v)| keeps(o, *v)),
+            values: set.values.clone(),
+            gains,
+            worth,
+            strokes: shown::strokes(&study.base, walls, &plain),
+            picture: shown::picture(&study.base, walls, &plain),
+            shows_private: plain.iter().any(|w| w.shows_through_doors),
+            edits: made.written.edits,
+            additions: made.written.additions,
+            report: made.report,
+        })
+    }
+
+    /// A work as `result.json` has it.
+    fn told(&self, work: &Work, entry: &WorkEntry) -> OptionWork {
+        let (base, walls) = (&self.judges.study.base, &self.floor().walls);
+        let mm = |v: f64| (v * 1e3).round() / 1e3 + 0.0;
+        let at = |p: DVec2| base.plan.frame.drawing_m_from_plan(p).map(mm);
+        let built = built_axis(base, work)
+            .map(|axis| BuiltWall { ends: axis.map(at), thickness_m: mm(thickness_m(walls, work)) });
+        let opening = work.opening.and_then(|k| base.axes.openings.get(k));
+        let filling = match filling(work) {
+            Filling::Door => "door",
+            Filling::Glass => "glass",
+            Filling::Nothing | Filling::Gone => "nothing",
+        };
+        OptionWork {
+            kind: entry.kind.clone(),
+            words: self.listed.result.title(entry),
+            stretch: entry.stretch,
+            width_m: entry.width_m,
+            rooms: entry.rooms,
+            elements: entry.wall.clone(),
+            demolished: work.change.demolished.iter().map(|q| outline(&base.plan, q).map(at)).collect(),
+            built: built.into_iter().collect(),
+            filling: filling.into(),
+            opening: opening.map(|o| o.jambs.map(|j| at(j.at * base.plan.human_scale))),
+        }
+    }
+}
