@@ -250,7 +250,9 @@ async function refresh(d, before) {
     if (full.id !== shown || full.state !== "running" || !$("standing")) return;
     const [bar, fresh] = [$("standing").lastElementChild, standing(full)];
     fresh.lastElementChild.remove();
-    $("standing").replaceChildren(...fresh.childNodes, bar);
+    // The buttons stay where they are: what is taken out and put back has lost the focus.
+    while (bar.previousSibling) bar.previousSibling.remove();
+    bar.before(...fresh.childNodes);
     if (full.so_far != null && !$("options")) await open(full.id);
     else newer(full);
   } else if (d.state !== before) await open(d.id);

@@ -252,6 +252,11 @@ try {
   assert.deepEqual(sent.at(-1), { round: 3, pin: [1] });
   await page.waitForFunction(() => document.getElementById("cancel")?.disabled === false, { timeout: 60000 });
   await page.waitForFunction(() => document.getElementById("words")?.textContent.startsWith("Option 2"));
+  // Whoever stands on a button stays there while news comes.
+  await page.focus("#cancel");
+  const progress = await page.$("#standing progress");
+  if (progress) await page.waitForFunction((p) => !p.isConnected, {}, progress);
+  await page.waitForFunction(() => document.activeElement !== document.body);
   await check("working");
   await idle();
   // A round may be over before it is called off: then the next one is.
