@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::measure::percent_change;
 use super::result::{Best, Candidate, Change, Gains, Numbers, RoundResult};
 use super::words::{gain_words, movers};
-use super::works::OptionWork;
+use super::works::titles;
 
 /// Movers named in a line; the rest is counted.
 const MOVERS_NAMED: usize = 4;
@@ -34,7 +34,7 @@ pub fn option_lines<'a>(result: &'a RoundResult) -> Vec<OptionLine<'a>> {
         option: Some(i),
         name: format!("{}{}", i + 1, result.mark(i)),
         movers: changes_of(result, c),
-        rebuilt_m: rebuilt_m(&c.changes) + c.works.iter().map(OptionWork::length_m).sum::<f64>(),
+        rebuilt_m: rebuilt_m(&c.changes) + c.works.iter().map(|w| w.effort.length_m()).sum::<f64>(),
         mean: &c.mean,
         gain: &c.gain,
     };
@@ -76,9 +76,8 @@ pub fn told_measures(result: &RoundResult) -> Vec<String> {
 }
 
 fn changes_of(result: &RoundResult, of: &Candidate) -> String {
-    let works = of.works.iter().map(|w| w.words.clone());
-    let moves = movers_of(result, &of.parameters);
-    works.chain([moves].into_iter().filter(|m| !m.is_empty())).collect::<Vec<_>>().join("; ")
+    let all = [titles(&of.works), movers_of(result, &of.parameters)];
+    all.into_iter().filter(|m| !m.is_empty()).collect::<Vec<_>>().join("; ")
 }
 
 fn movers_of(result: &RoundResult, parameters: &[f64]) -> String {

@@ -125,6 +125,11 @@ impl Effort {
         }
     }
 
+    /// Wall that goes or is built, metres.
+    pub fn length_m(&self) -> f64 {
+        self.demolished_m + self.built_m
+    }
+
     /// Both together.
     #[must_use]
     pub fn and(self, other: &Self) -> Self {
@@ -147,6 +152,8 @@ pub struct OptionWork {
     pub rooms: [Option<usize>; 2],
     /// What draws its wall.
     pub elements: Vec<ElementRef>,
+    /// What it costs.
+    pub effort: Effort,
     /// Outlines of what goes: along one face, and back along the other.
     pub demolished: Vec<[[f64; 2]; 4]>,
     /// What is walled up or newly built.
@@ -157,13 +164,16 @@ pub struct OptionWork {
     pub opening: Option<[[f64; 2]; 2]>,
 }
 
-impl OptionWork {
-    /// Wall that goes or is built, metres.
-    pub fn length_m(&self) -> f64 {
-        let apart = |[a, b]: [[f64; 2]; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-        let gone = self.demolished.iter().map(|q| apart([q[0], q[1]]));
-        gone.chain(self.built.iter().map(|b| apart(b.ends))).sum()
-    }
+/// The names of several works in one line: `An opening of 1.8 m between …; a door of 0.9 m in …`.
+pub fn titles(works: &[OptionWork]) -> String {
+    let title = |(i, w): (usize, &OptionWork)| {
+        let mut letters = w.words.chars();
+        match (i, letters.next()) {
+            (1.., Some(first)) => first.to_lowercase().chain(letters).collect(),
+            _ => w.words.clone(),
+        }
+    };
+    works.iter().enumerate().map(title).collect::<Vec<_>>().join("; ")
 }
 
 /// A straight wall that is built. Metres in the drawing frame.
@@ -227,19 +237,6 @@ impl WorksResult {
             "add" => format!("A wall of {m} {where_}"),
             _ => format!("An opening of {m} {where_}"),
         }
-    }
-
-    /// The names of several works in one line: `An opening of 1.8 m between …; a door of 0.9 m in …`.
-    pub fn titles(&self, works: &[&WorkEntry]) -> String {
-        let title = |(i, w): (usize, &&WorkEntry)| {
-            let title = self.title(w);
-            let mut letters = title.chars();
-            match (i, letters.next()) {
-                (1.., Some(first)) => first.to_lowercase().chain(letters).collect(),
-                _ => title,
-            }
-        };
-        works.iter().enumerate().map(title).collect::<Vec<_>>().join("; ")
     }
 
     /// `visibility +17 % (15 to 18), steps −3.7 %`: what changes, as the measure itself changes.

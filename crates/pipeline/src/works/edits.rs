@@ -99,8 +99,8 @@ fn in_drawing(
         for record in fills_at(&plan.file, bytes, probe(plan, quad)).unwrap_or_default() {
             out.add(record, EntityWork::Void { gone: in_file(plan, quad), filling: Filling::Gone });
         }
-        out.additions.push(demolished(plan, quad));
     }
+    out.additions.extend(works.iter().flat_map(|w| outlines(base, w)).map(|o| demolished(plan, o)));
     Ok(out)
 }
 
@@ -200,16 +200,31 @@ fn in_file(plan: &Plan, quad: &Quad) -> [DVec2; 4] {
     quad.map(|p| plan.frame.file_from_um(p))
 }
 
-/// The outline of what goes, with the faces that it had, plan frame.
-pub(super) fn outline(plan: &Plan, quad: &Quad) -> [DVec2; 4] {
-    let [a, b, c, d] = quad.map(|p| plan.frame.plan_from_um(p));
-    let across = (d - a).normalize_or_zero() * (COVER_M * plan.human_scale);
-    [a + across, b + across, c - across, d - across]
+/// Outlines of what a work demolishes, with the faces that it had, plan frame: where there was an opening, nothing goes.
+pub(super) fn outlines(base: &Understood, work: &Work) -> Vec<[DVec2; 4]> {
+    let scale = base.plan.human_scale;
+    let open = work.opening.filter(|_| work.kind == WorkKind::Widen).and_then(|k| base.axes.openings.get(k));
+    let open = open.map(|o| o.jambs.map(|j| j.at * scale));
+    let pieces = work.change.demolished.iter().flat_map(|quad| {
+        let [a, b, _, d] = quad.map(|p| base.plan.frame.plan_from_um(p));
+        let (along, length) = ((b - a).normalize_or_zero(), a.distance(b));
+        let kept = open.map(|jambs| jambs.map(|p| (p - a).dot(along).clamp(0.0, length)));
+        let [from, to] = kept.map_or([length; 2], |[p, q]| [p.min(q), p.max(q)]);
+        let across = (d - a).normalize_or_zero() * (COVER_M * scale);
+        let piece = move |[s, e]: [f64; 2]| {
+            [a + along * s + across, a + along * e + across, d + along * e - across, d + along * s - across]
+        };
+        [[0.0, from], [to, length]].into_iter().filter(|[s, e]| e - s > LEAST_M * scale).map(piece)
+    });
+    pieces.collect()
 }
 
+/// Pieces of wall that are shorter are none, metres of a person.
+const LEAST_M: f64 = 0.01;
+
 /// What was demolished as an outline.
-fn demolished(plan: &Plan, quad: &Quad) -> Addition {
-    let points = outline(plan, quad).map(|p| plan.frame.file_from_plan(p)).to_vec();
+fn demolished(plan: &Plan, outline: [DVec2; 4]) -> Addition {
+    let points = outline.map(|p| plan.frame.file_from_plan(p)).to_vec();
     let mark = Mark::Path { points, closed: true };
     Addition { layer: DEMOLISHED.into(), rgb: DEMOLISHED_RGB, mark }
 }

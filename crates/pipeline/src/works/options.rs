@@ -1,6 +1,6 @@
 //! Options that build: sets of works that differ, made in the drawing, read again and confirmed.
 
-use super::edits::{built_axis, filling, outline, thickness_m};
+use super::edits::{built_axis, filling, outlines, thickness_m};
 use super::made::Together;
 use super::{Floor, Listed, shown};
 use crate::confirm::confirmed;
@@ -16,7 +16,7 @@ use enfilade_config::{Mode, Settings};
 use enfilade_engine::geometry::Segment;
 use enfilade_overlay::picture::{PlanPicture, Stroke};
 use enfilade_overlay::result::{Gains, Objective, Sense};
-use enfilade_overlay::works::{BuiltWall, Effort, LEAST_SHOWN, OptionWork, WorkEntry};
+use enfilade_overlay::works::{BuiltWall, Effort, LEAST_SHOWN, OptionWork, WorkEntry, titles};
 use enfilade_report::{Cancel, Error, Place, Report};
 use enfilade_works::{RoomId, Work};
 use glam::DVec2;
@@ -159,11 +159,13 @@ pub(crate) fn options(
     Ok(out)
 }
 
-/// The sets that differ from those before, the best single works first, behind them what two or three bring together.
+/// The sets that differ from those before. Of those of several works one: the next would share its best works.
 fn unlike(sets: Vec<Set>, most: usize) -> Vec<Set> {
     let mut out: Vec<Set> = Vec::new();
     for set in sets {
-        if out.len() < most && out.iter().all(|o| o.experience.likeness(&set.experience) <= SAME_MAPS) {
+        let is_second = set.works.len() > 1 && out.iter().any(|o| o.works.len() > 1);
+        let is_alike = |o: &Set| o.experience.likeness(&set.experience) > SAME_MAPS;
+        if out.len() < most && !is_second && !out.iter().any(is_alike) {
             out.push(set);
         }
     }
@@ -265,9 +267,11 @@ impl Builder<'_> {
             set.works.iter().filter_map(|w| self.listed.result.works.get(*w)).collect();
         let (plain, walls) = (works.iter().map(|w| w.1).collect::<Vec<_>>(), &self.floor().walls);
         let none = Effort::default();
+        let told_works: Vec<OptionWork> =
+            works.iter().zip(&entries).map(|((_, work), entry)| self.told(work, entry)).collect();
         Some(BuildingOption {
-            works: works.iter().zip(&entries).map(|((_, work), entry)| self.told(work, entry)).collect(),
-            title: self.listed.result.titles(&entries),
+            title: titles(&told_works),
+            works: told_works,
             effort: entries.iter().fold(none, |all, e| all.and(&e.effort)),
             is_within: told.iter().zip(&set.values).all(|(o, v)| keeps(o, *v)),
             values: set.values.clone(),
@@ -302,7 +306,8 @@ impl Builder<'_> {
             width_m: entry.width_m,
             rooms: entry.rooms,
             elements: entry.wall.clone(),
-            demolished: work.change.demolished.iter().map(|q| outline(&base.plan, q).map(at)).collect(),
+            effort: entry.effort,
+            demolished: outlines(base, work).into_iter().map(|o| o.map(at)).collect(),
             built: built.into_iter().collect(),
             filling: filling.into(),
             opening: opening.map(|o| o.jambs.map(|j| at(j.at * base.plan.human_scale))),

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::edits::{built_axis, outline, thickness_m};
+use super::edits::{built_axis, outlines, thickness_m};
 use crate::understand::understood::Understood;
 use crate::write::show;
 use enfilade_engine::geometry::Segment;
@@ -20,8 +20,7 @@ pub(super) fn strokes(base: &Understood, walls: &[Wall], works: &[&Work]) -> Vec
         kind,
     };
     let of = |work: &&Work| {
-        let gone = work.change.demolished.iter();
-        let gone = gone.map(|q| ring(outline(&base.plan, q), StrokeKind::Demolished));
+        let gone = outlines(base, work).into_iter().map(|o| ring(o, StrokeKind::Demolished));
         let built = built_axis(base, work).map(|[a, b]| {
             let off = (b - a).normalize_or_zero().perp() * (thickness_m(walls, work) / 2.0);
             ring([a - off, b - off, b + off, a + off], StrokeKind::Built)
