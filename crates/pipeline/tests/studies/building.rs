@@ -1,0 +1,130 @@
+//! Options that build: made in the drawing, told as they are, taken like any other, and gone on from.
+
+use std::time::Instant;
+
+use enfilade_config::{Beside, Partial, Settings};
+use enfilade_fixtures::sample;
+use enfilade_overlay::result::{Candidate, RoundResult};
+use enfilade_overlay::works::WorksResult;
+use enfilade_pipeline::accept::{Accepted, Origin, accept};
+use enfilade_pipeline::{Input, Outcome, analyse, run};
+use enfilade_report::Cancel;
+
+/// Works need no long search.
+const FEW: &str = "evaluations = 30\nseed = 1\n";
+
+fn round(file: &str, bytes: &[u8], more: &str) -> Outcome<RoundResult> {
+    let settings = Settings::new(Partial::from_toml("", &format!("{FEW}{more}")).unwrap()).unwrap();
+    run(&Input::new(file, bytes, 1), &settings, Instant::now(), &mut |_| {}, &Cancel::default()).unwrap()
+}
+
+fn of_sample(file: &str) -> (Vec<u8>, Outcome<RoundResult>) {
+    let bytes = std::fs::read(sample(file)).unwrap();
+    let round = round(file, &bytes, "");
+    (bytes, round)
+}
+
+fn building(result: &RoundResult) -> Vec<(usize, &Candidate)> {
+    (1..).zip(&result.candidates).filter(|(_, c)| !c.works.is_empty()).collect()
+}
+
+fn taken(file: &str, bytes: &[u8], result: &RoundResult, number: usize) -> Accepted {
+    let origin = Origin { round: 1, is_so_far: false };
+    accept(&Input::new(file, bytes, 1), Beside::default(), result, origin, number).unwrap()
+}
+
+/// Mean visibility of a drawing with its side-car.
+fn sight(file: &str, bytes: &[u8], side_car: &str) -> f64 {
+    let settings = Settings::new(Partial::from_toml("", side_car).unwrap()).unwrap();
+    let (outcome, _) = analyse(&Input::new(file, bytes, 2), &settings, &Cancel::default()).unwrap();
+    outcome.result.mean.get("degree").unwrap()
+}
+
+/// Somebody else measures on the floor of the new drawing, which is larger by what stood in the way.
+const ELSEWHERE: f64 = 0.02;
+
+fn claims_hold(file: &str) {
+    let (bytes, Outcome { result, .. }) = of_sample(file);
+    let options = building(&result);
+    assert!(!options.is_empty(), "{:?}", result.problems);
+    let now = sight(file, &bytes, "");
+    for (number, option) in options {
+        let new = taken(file, &bytes, &result, number);
+        let gain = sight(file, &new.drawing, &new.side_car) / now - 1.0;
+        let claim = option.gain["degree"];
+        let holds = (claim.low - ELSEWHERE..=claim.high + ELSEWHERE).contains(&gain);
+        assert!(holds, "{file} {}: {gain}, {claim:?}", option.words);
+        assert!(option.words.contains(&option.works[0].words), "{}", option.words);
+        assert!(!new.side_car.contains("EF-MOVE"), "{}", new.side_car);
+    }
+}
+
+#[test]
+fn what_a_drawing_gains_by_works_is_measured_again() {
+    claims_hold("flat.dxf");
+}
+
+#[test]
+fn what_a_building_gains_by_works_is_measured_again() {
+    claims_hold("flat.ifc");
+}
+
+/// A mesh keeps its bytes: what is taken of it stands in the side-car of the new drawing.
+#[test]
+fn a_scene_is_decided_beside_it() {
+    let (bytes, Outcome { result, .. }) = of_sample("flat.glb");
+    let (number, option) = building(&result)[0];
+    let new = taken("flat.glb", &bytes, &result, number);
+    assert_eq!(new.drawing, bytes);
+    assert!(new.side_car.contains("[[work]]"), "{}", new.side_car);
+    let gain = sight("flat.glb", &bytes, &new.side_car) / sight("flat.glb", &bytes, "") - 1.0;
+    assert!((gain - option.gain["degree"].share).abs() < 2.0 * ELSEWHERE, "{gain}");
+}
+
+/// The list of the round has every work of its options as allowed; the options stand in the order of what they gain.
+#[test]
+fn options_are_of_what_is_allowed() {
+    let (_, Outcome { result, files, .. }) = of_sample("flat.dxf");
+    let works = files.iter().find(|f| f.path.ends_with("works.json")).unwrap();
+    let works: WorksResult = serde_json::from_slice(&works.bytes).unwrap();
+    for work in building(&result).iter().flat_map(|(_, c)| &c.works) {
+        let listed = works.works.iter().find(|w| w.kind == work.kind && w.stretch == work.stretch);
+        assert!(listed.is_some_and(|w| w.is_allowed), "{work:?}");
+        let gone: f64 = work.demolished.iter().map(|q| (q[0][0] - q[1][0]).hypot(q[0][1] - q[1][1])).sum();
+        assert!((gone - work.effort.demolished_m).abs() < 2e-3, "{work:?}");
+    }
+    let gains: Vec<f64> =
+        result.candidates.iter().map(|c| c.gain.values().map(|g| g.share).sum::<f64>()).collect();
+    assert!(gains.is_sorted_by(|a, b| a >= b), "{gains:?}");
+}
+
+/// Whoever says what may move is offered nothing else.
+#[test]
+fn marks_of_moves_are_obeyed() {
+    let (_, Outcome { result, .. }) = of_sample("gallery.dxf");
+    assert!(building(&result).is_empty() && !result.candidates.is_empty());
+}
+
+/// So is who wants nothing that he did not mark.
+#[test]
+fn only_what_is_marked_is_offered() {
+    let bytes = std::fs::read(sample("flat.dxf")).unwrap();
+    let Outcome { result, .. } = round("flat.dxf", &bytes, "only-marked = true\n");
+    assert!(result.candidates.is_empty(), "{:?}", result.candidates);
+}
+
+/// One thread or many, the same options.
+#[test]
+fn options_that_build_are_the_same_on_any_number_of_threads() {
+    let bytes = std::fs::read(sample("flat.dxf")).unwrap();
+    let on = |threads: usize| {
+        let settings = format!("{FEW}threads = {threads}\n");
+        let settings = Settings::new(Partial::from_toml("", &settings).unwrap()).unwrap();
+        let input = Input::new("flat.dxf", &bytes, 1);
+        let round = enfilade_pipeline::on_threads(&settings, || {
+            run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default())
+        });
+        round.unwrap().result.candidates
+    };
+    assert_eq!(on(1), on(3));
+}
