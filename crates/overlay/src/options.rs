@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
+use super::built::titles;
 use super::measure::percent_change;
 use super::result::{Best, Candidate, Change, Gains, Numbers, RoundResult};
 use super::words::{gain_words, movers};
-use super::works::titles;
 
 /// Movers named in a line; the rest is counted.
 const MOVERS_NAMED: usize = 4;

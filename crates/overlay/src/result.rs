@@ -13,9 +13,9 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, Value};
 
+use super::built::OptionWork;
 pub use super::element::ElementRef;
 use super::measure::counts_cells;
-use super::works::OptionWork;
 
 /// `schema` of a [`RoundResult`].
 pub const RESULT_SCHEMA: &str = "enfilade.result/1";

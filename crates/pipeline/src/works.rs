@@ -29,11 +29,12 @@ use enfilade_engine::graph::Graph;
 use enfilade_engine::measures::mean_depth;
 use enfilade_engine::visibility::visibility_graph;
 use enfilade_engine::{Lattice, Obstacles};
+use enfilade_overlay::built::Effort;
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
 use enfilade_overlay::result::{self, Interval, Objective};
 use enfilade_overlay::works::{
-    BestEntry, ColouredWall, Effort, RoomEntry, STEPS, VISIBILITY, WORKS_SCHEMA, WorkEntry, WorkGain,
-    WorksResult, works_png,
+    BestEntry, ColouredWall, RoomEntry, STEPS, VISIBILITY, WORKS_SCHEMA, WorkEntry, WorkGain, WorksResult,
+    works_png,
 };
 use enfilade_plan::Plan;
 use enfilade_plan::axes::OpeningKind;
