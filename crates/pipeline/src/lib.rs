@@ -112,8 +112,13 @@ fn round(
     rules::say_odd(&study.base, settings, &mut report)?;
     let round = Round::new(Job { settings, ..job }, study, started);
     round.state_asked(&mut report);
-    let found = if round.is_open() { Some(options(&round, &report, watch)?) } else { None };
-    let offer = if is_bare(settings) { None } else { offer(&round, found.as_ref(), &mut report, watch)? };
+    // Too small a floor has no cells on wider lattices.
+    let is_tried = round.is_open() && !is_bare(settings);
+    let trial = if is_tried { measure::lattices::trial(study, settings) } else { None };
+    let trial = trial.as_ref().unwrap_or(study);
+    let found = if round.is_open() { Some(options((&round, trial), &report, watch)?) } else { None };
+    let offer =
+        if is_bare(settings) { None } else { offer((&round, trial), found.as_ref(), &mut report, watch)? };
     if let Some(offer) = &offer {
         works::say_best(&offer.listed.result, job.input.file(), &mut report);
     }
@@ -123,20 +128,20 @@ fn round(
 
 /// The building works of the present layout; `None` where somebody stops the job: he keeps the best of its search.
 fn offer(
-    round: &Round<'_>,
+    (round, trial): (&Round<'_>, &Study),
     found: Option<&Found>,
     report: &mut Report,
     watch: &mut Watch<'_>,
 ) -> Result<Option<Offer>, Error> {
     watch.stage("works", None);
-    match offered(round, found, report, watch.cancel) {
+    match offered((round, trial), found, report, watch.cancel) {
         Err(Error::Stopped) => Ok(None),
         offer => offer.map(Some),
     }
 }
 
 fn offered(
-    round: &Round<'_>,
+    (round, trial): (&Round<'_>, &Study),
     found: Option<&Found>,
     report: &mut Report,
     cancel: &Cancel,
@@ -144,8 +149,6 @@ fn offered(
     let Round { job, study, .. } = *round;
     let listed = works::of_study(job, study, cancel)?;
     let aims = objectives(job.settings);
-    let trial = measure::lattices::trial(study, job.settings);
-    let trial = trial.as_ref().unwrap_or(study);
     let told = found.map_or_else(|| as_drawn((trial, job.settings), &aims), |f| f.objectives.clone());
     let judges = works::options::Judges { study, trial, objectives: &aims, told: &told };
     let is_wanted = !round.is_asked() && works::options::are_wanted(&study.base, job.settings);
@@ -155,14 +158,15 @@ fn offered(
 }
 
 /// What a round finds: a search, and what is confirmed of it. The best so far is handed out as often as the settings say.
-fn options(round: &Round<'_>, report: &Report, watch: &mut Watch<'_>) -> Result<Found, Error> {
+fn options(
+    (round, trial): (&Round<'_>, &Study),
+    report: &Report,
+    watch: &mut Watch<'_>,
+) -> Result<Found, Error> {
     let Job { input, settings } = round.job;
     let study = round.study;
     let control = rules::control(&study.base, settings)?;
     let objectives = objectives(settings);
-    // Too small a floor has no cells on wider lattices.
-    let trial = if is_bare(settings) { None } else { measure::lattices::trial(study, settings) };
-    let trial = trial.as_ref().unwrap_or(study);
     let brief = Brief { input, study, trial, settings, control: &control, objectives: &objectives };
     let mut so_far = |search: &enfilade_search::Search, at: Progress, watch: &mut Watch<'_>| {
         let made = write::write(round, report.clone(), Some(&found(&brief, search, &[])), None)?;

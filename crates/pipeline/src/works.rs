@@ -16,8 +16,6 @@ use crate::analyse::measure;
 use crate::job::{Input, Job, Outcome};
 use crate::measure::estimate::{Sampled, interval};
 use crate::measure::lattices;
-use crate::measure::look::LatticeAt;
-use crate::measure::seen::Use;
 use crate::measure::study::Study;
 use crate::understand::rooms::{Room as KnownRoom, rooms_with_kinds};
 use crate::understand::sensed::Sensed;
@@ -378,9 +376,9 @@ fn confirmed(study: &Study, settings: &Settings, works: &[&Work]) -> BTreeMap<us
         }
     }
     let changes: Vec<&Change> = chosen.iter().map(|i| &works[*i].change).collect();
-    let [coarse, fine] = lattices::confirming(study, settings).map(|at| {
-        let all = at.par_iter().filter_map(|at| on_one(study, settings, *at, &changes));
-        all.collect::<Vec<Vec<f64>>>()
+    let [coarse, fine] = lattices::confirming(study, settings).each_ref().map(|all| {
+        let gains = all.par_iter().map(|on| on_one(on, &changes));
+        gains.collect::<Vec<Vec<f64>>>()
     });
     let of = |(k, i): (usize, usize)| {
         let values = |of: &[Vec<f64>]| Sampled::of(of.iter().map(|l| l[k]).collect());
@@ -389,9 +387,8 @@ fn confirmed(study: &Study, settings: &Settings, works: &[&Work]) -> BTreeMap<us
     chosen.into_iter().enumerate().filter_map(of).collect()
 }
 
-/// The gain in visibility of each change on one lattice; none where it has no cells.
-fn on_one(study: &Study, settings: &Settings, at: LatticeAt, changes: &[&Change]) -> Option<Vec<f64>> {
-    let on = study.on_lattices(settings, &[at], Use::Few).ok()?;
+/// The gain in visibility of each change on one lattice.
+fn on_one(on: &Study, changes: &[&Change]) -> Vec<f64> {
     let obstacles = on.initial_obstacles();
     let graph = visibility_graph(&on.lattice, &obstacles);
     let now = degrees(&on.lattice, &graph).max(1) as f64;
@@ -399,7 +396,7 @@ fn on_one(study: &Study, settings: &Settings, at: LatticeAt, changes: &[&Change]
     let gain = |c: &&Change| {
         difference(&on.lattice, &obstacles, &graph, c).gained(&on.lattice, &is_query) as f64 / now
     };
-    Some(changes.iter().map(gain).collect())
+    changes.iter().map(gain).collect()
 }
 
 /// Every wall in the colour of the best opening in it.

@@ -6,8 +6,6 @@ use rayon::prelude::*;
 
 use crate::measure::estimate::{Sampled, interval};
 use crate::measure::lattices;
-use crate::measure::look::LatticeAt;
-use crate::measure::seen::Use;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
 use crate::search::brief::Aims;
@@ -64,9 +62,9 @@ pub(crate) fn gains_of(
     measured: &Measured<'_>,
 ) -> Vec<Gains> {
     let measures = measures(objectives);
-    let [coarse, fine] = lattices::confirming(study, settings).map(|at| {
-        let all = at.par_iter().filter_map(|at| on_one(study, settings, *at, &measures, measured));
-        all.collect::<Vec<Vec<Vec<f64>>>>()
+    let [coarse, fine] = lattices::confirming(study, settings).each_ref().map(|all| {
+        let gains = all.par_iter().map(|on| on_one(on, settings, &measures, measured));
+        gains.collect::<Vec<Vec<Vec<f64>>>>()
     });
     let of = |layout: usize| {
         let one = |(k, (aim, is_more_better)): (usize, &(Aim, bool))| {
@@ -79,29 +77,27 @@ pub(crate) fn gains_of(
     (0..count).map(of).collect()
 }
 
-/// For every layout the gain in every measure on one lattice; none where it has no cells.
+/// For every layout the gain in every measure on one lattice.
 fn on_one(
-    study: &Study,
+    one: &Study,
     settings: &Settings,
-    at: LatticeAt,
     measures: &[(Aim, bool)],
     measured: &Measured<'_>,
-) -> Option<Vec<Vec<f64>>> {
-    let one = study.on_lattices(settings, &[at], Use::Few).ok()?;
+) -> Vec<Vec<f64>> {
     let value = |worth: &Worth, aim: Aim| match aim.measure {
         Measure::Score => one.score(worth, settings),
         _ => one.value(worth, aim),
     };
     let gains = |worth: &Worth| {
         // What sees nothing, or no longer reaches the rest, is not a step away from anything.
-        let is_lost = worth.cut_off > CUT_OFF_FREE || !hidden(&one, settings, worth).is_empty();
+        let is_lost = worth.cut_off > CUT_OFF_FREE || !hidden(one, settings, worth).is_empty();
         let of = |&(aim, is_more_better): &(Aim, bool)| {
             let gain = relative_gain(is_more_better, value(worth, aim), value(&one.initial, aim));
             if is_lost { f64::NAN } else { gain }
         };
         measures.iter().map(of).collect()
     };
-    Some(measured(&one).iter().map(gains).collect())
+    measured(one).iter().map(gains).collect()
 }
 
 fn gain(coarse: &Sampled, fine: &Sampled, is_more_better: bool) -> Gain {

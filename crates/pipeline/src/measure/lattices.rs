@@ -6,6 +6,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use crate::measure::look::LatticeAt;
 use crate::measure::seen::Use;
@@ -55,8 +56,20 @@ pub(crate) fn ranked(study: &Study, settings: &Settings) -> Vec<LatticeAt> {
     shifted(settings, Purpose::Rank, study.spacing_m, RANKED)
 }
 
+/// The study on each of the lattices that gains are confirmed on, coarse and fine; none where one has no cells. They are
+/// made once a study: what a round confirms, it confirms on the same.
+pub(crate) fn confirming<'s>(study: &'s Study, settings: &Settings) -> &'s [Vec<Study>; 2] {
+    if study.confirming.get().is_none() {
+        let on = |at: &LatticeAt| study.on_lattices(settings, &[*at], Use::Few).ok();
+        let made = confirmed_at(study, settings).map(|all| all.par_iter().filter_map(on).collect());
+        // Whoever was first made the same.
+        drop(study.confirming.set(made));
+    }
+    study.confirming.get_or_init(Default::default)
+}
+
 /// For confirming gains: some at a spacing and some at half of it, where the lattice shown is not too fine for that.
-pub(crate) fn confirming(study: &Study, settings: &Settings) -> [Vec<LatticeAt>; 2] {
+fn confirmed_at(study: &Study, settings: &Settings) -> [Vec<LatticeAt>; 2] {
     let vertices = study.lattice.cells.len() as f64;
     let finer = (VERTICES_MAX / vertices).sqrt().clamp(1.0, 2.0);
     let fine_m = study.spacing_m / finer;

@@ -54,6 +54,8 @@ pub struct Study {
     pub(super) gpu: Option<Arc<Gpu>>,
     /// Why the graphics card gave up, if it did.
     pub(super) card_trouble: OnceLock<String>,
+    /// The same study on the lattices that gains are confirmed on, coarse and fine, once they are wanted.
+    pub(super) confirming: OnceLock<[Vec<Study>; 2]>,
     /// Memory of threads that do not measure at the moment.
     pub(super) benches: Mutex<Vec<Bench>>,
     /// Moves with their control points: whether the piece that starts at a control point moves.
@@ -193,6 +195,7 @@ impl Study {
             spacing_m,
             roots: if let Use::Roots(n, _) = use_for { Some(n) } else { None },
             card_trouble: OnceLock::new(),
+            confirming: OnceLock::new(),
             benches: Mutex::default(),
             piece_moves,
             pieces,

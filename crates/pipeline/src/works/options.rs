@@ -95,7 +95,6 @@ struct Set {
     /// Places in the list, ascending.
     works: Vec<usize>,
     lines: Vec<Segment>,
-    values: Vec<f64>,
     gain: f64,
     experience: Experience,
 }
@@ -233,7 +232,7 @@ impl Builder<'_> {
 
     /// Sets with what they gain, those that gain first; none that breaks a limit.
     fn measured(&self, sets: Vec<Vec<usize>>) -> Vec<Set> {
-        let Self { job: Job { settings, .. }, judges: Judges { study, trial, objectives, .. }, .. } = *self;
+        let Self { job: Job { settings, .. }, judges: Judges { study, objectives, .. }, .. } = *self;
         let one = |works: Vec<usize>| {
             let drawn = self.floor().obstacles.segments.clone();
             let lines = works.iter().fold(drawn, |lines, w| self.work(*w).change.apply(&lines));
@@ -241,10 +240,8 @@ impl Builder<'_> {
             if evaluation(study, settings, objectives, &worth).violation > 0.0 {
                 return None;
             }
-            let on_trial = trial.measure_walls(&lines);
-            let values = evaluation(trial, settings, objectives, &on_trial).values;
-            let gain = gained(trial, settings, objectives, &on_trial);
-            Some(Set { works, lines, values, gain, experience: Experience::of(study, &worth) })
+            let gain = gained(study, settings, objectives, &worth);
+            Some(Set { works, lines, gain, experience: Experience::of(study, &worth) })
         };
         let found: Vec<Option<Set>> = sets.into_par_iter().map(one).collect();
         let mut out: Vec<Set> = found.into_iter().flatten().filter(|s| s.gain > 0.0).collect();
@@ -256,7 +253,7 @@ impl Builder<'_> {
 
     /// The drawing with a set; `None` where it reads otherwise than meant.
     fn make(&self, set: &Set, gains: Gains) -> Option<BuildingOption> {
-        let Self { job, judges: Judges { study, told, .. }, .. } = *self;
+        let Self { job, judges: Judges { study, trial, told, objectives }, .. } = *self;
         let works: Vec<(usize, &Work)> = set.works.iter().map(|w| (w + 1, self.work(*w))).collect();
         let made = Together::make(job, (study, self.floor()), &works).ok()?;
         let [meant, worth] = [&made.meant, &made.lines].map(|lines| study.measure_walls(lines));
@@ -266,6 +263,7 @@ impl Builder<'_> {
         }
         let entries: Vec<&WorkEntry> =
             set.works.iter().filter_map(|w| self.listed.result.works.get(*w)).collect();
+        let values = evaluation(trial, job.settings, objectives, &trial.measure_walls(&made.lines)).values;
         let (plain, walls) = (works.iter().map(|w| w.1).collect::<Vec<_>>(), &self.floor().walls);
         let none = Effort::default();
         let told_works: Vec<OptionWork> =
@@ -274,8 +272,8 @@ impl Builder<'_> {
             title: titles(&told_works),
             works: told_works,
             effort: entries.iter().fold(none, |all, e| all.and(&e.effort)),
-            is_within: told.iter().zip(&set.values).all(|(o, v)| keeps(o, *v)),
-            values: set.values.clone(),
+            is_within: told.iter().zip(&values).all(|(o, v)| keeps(o, *v)),
+            values,
             gains,
             worth,
             strokes: shown::strokes(&study.base, walls, &plain),
