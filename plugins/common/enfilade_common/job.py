@@ -56,18 +56,29 @@ class Job:
 
     def labels(self) -> Dict[str, str]:
         """Labels of what stands in the drawing, by its handle there."""
+        names = {e.id: e.label for e in self.study.movables()}
+        names.update((o.id, o.label) for w in self.study.walls for o in w.openings)
+        return {handle: names.get(id, "") for handle, id in self.owners().items()}
+
+    def owners(self) -> Dict[str, str]:
+        """Ids of the elements and openings that stand in the drawing, by handle; corners belong to their outline."""
         try:
             with open(self.drawing, encoding="ascii", errors="replace") as f:
                 lines = [line.strip() for line in f]
         except OSError:
             return {}
-        names = {e.id: e.label for e in self.study.movables()}
-        names.update((o.id, o.label) for w in self.study.walls for o in w.openings)
-        out, handle = {}, ""
+        out: Dict[str, str] = {}
+        handle, owner, is_corner = "", "", False
         for (code, value), (_, following) in zip(zip(lines[0::2], lines[1::2]), zip(lines[2::2], lines[3::2])):
-            handle = value if code == "5" else handle
-            if (code, value) == ("1001", APPLICATION):
-                out[handle] = names.get(following.rsplit("/", 1)[0], "")
+            if code == "0":
+                is_corner = value in ("VERTEX", "SEQEND")
+                owner = owner if is_corner else ""
+            elif code == "5":
+                handle = value
+                if is_corner and owner:
+                    out[handle] = owner
+            elif (code, value) == ("1001", APPLICATION):
+                out[handle] = owner = following.rsplit("/", 1)[0]
         return out
 
 
