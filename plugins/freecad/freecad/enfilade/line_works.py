@@ -53,9 +53,9 @@ class Sheet:
         return self.found.element
 
     def segments(self) -> List[Line]:
-        return [s for pieces in self.stays for p in pieces for s in p.lines()] + [
-            (s.points[0], s.points[1]) for s in self.added if s.kind == "lines"
-        ]
+        straight = (pieces for s, pieces in zip(self.drawn.strokes, self.stays) if s.kind == "lines")
+        out = [s for pieces in straight for p in pieces for s in p.lines()]
+        return out + [(s.points[0], s.points[1]) for s in self.added if s.kind == "lines"]
 
 
 class Plan:
@@ -191,8 +191,9 @@ class Plan:
     def _jambs(self, side: Line, layers: Set[str]) -> List[Line]:
         """Lines that lie in a side and nowhere else."""
         out = []
-        for sheet in self.sheets.values():
-            for piece in (p for pieces in sheet.stays for p in pieces if sheet.drawn.layer in layers):
+        for sheet in (s for s in self.sheets.values() if s.drawn.layer in layers):
+            straight = (pieces for s, pieces in zip(sheet.drawn.strokes, sheet.stays) if s.kind == "lines")
+            for piece in (p for pieces in straight for p in pieces):
                 if all(distance_to_segment(p, *side) <= self.unit * WORK_MM for p in piece.points):
                     out += piece.lines()
         return out
