@@ -181,6 +181,9 @@ def drawing_text(study: Study, plan: Plan) -> Tuple[str, Dict[str, str]]:
         out.polyline(layer, outline.written(), outline.is_closed, ids)
     for wall in study.walls:
         for o in () if wall.rings else wall.openings:
+            if o.kind == "passage":
+                # A gap that nothing stands in.
+                continue
             layer = "A-GLAZ" if o.kind == "window" else "A-DOOR"
             out.line(layer, wall.at(o.start), wall.at(o.end), (o.id, o.label))
     for region in study.regions:

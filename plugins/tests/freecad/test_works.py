@@ -1,12 +1,16 @@
 """Building works in Arch walls become objects of the document, in one undo step that takes all of it back."""
 
+import json
+import subprocess
+
 import Arch
 import Draft
 import FreeCAD as App
 import pytest
 from conftest import KINDS, V, build_house, door_in, wall_on
 from enfilade import accept, document, marks
-from enfilade_common.model import PluginError
+from enfilade_common import job
+from enfilade_common.model import PluginError, Wishes
 from rounds import work, written
 from test_accepting import state
 
@@ -58,7 +62,7 @@ def refused(doc, wishes, folder, template, works, words, names=()):
 
 OPENINGS = {
     # P1 stands from y = 0.125 m, its door from 0.7 to 1.6 m.
-    "open": (work("open", (4, 3.2), (4, 5)), (3075, 4875, "door")),
+    "open": (work("open", (4, 3.2), (4, 5)), (3075, 4875, "passage")),
     "door": (work("door", (4, 3.3), (4, 4.2), filling="door"), (3175, 4075, "door")),
     "glaze": (work("glaze", (4, 3.2), (4, 5), filling="glass"), (3075, 4875, "window")),
 }
@@ -89,7 +93,7 @@ def test_an_opening_in_a_wall_without_doors_goes_to_the_top(doc, wishes, tmp_pat
     volume = walls["P2"].Shape.Volume
 
     def look():
-        assert spans(walls_of(doc)["P2"]) == [(950, 2750, "door")]
+        assert spans(walls_of(doc)["P2"]) == [(950, 2750, "passage")]
         assert walls["P2"].Shape.Volume == pytest.approx(volume - 1800 * 100 * 3000, rel=1e-6)
 
     accepted(doc, wishes, tmp_path, template, [work("open", (5, 3), (6.8, 3))], ["P2"], look)
@@ -110,7 +114,7 @@ def test_a_door_is_widened(doc, wishes, tmp_path, template, filling):
     name = door.Name
 
     def look():
-        assert spans(walls_of(doc)["P1"]) == [(575, 2375, "door")]
+        assert spans(walls_of(doc)["P1"]) == [(575, 2375, "passage" if filling == "nothing" else "door")]
         assert doc.getObject(name) is None, "the door of 0.9 m is gone"
 
     accepted(doc, wishes, tmp_path, template, [made], ["P1"], look)
@@ -237,7 +241,7 @@ def test_moves_come_before_works(doc, wishes, tmp_path, template):
     labels = accept.accept(doc, made, found, option)
     assert labels[0] == "P1" and doc.UndoCount == 1
     there = walls_of(doc)["P1"]
-    assert there.axis[0][0] == pytest.approx(4300, abs=0.1) and (3075, 4875, "door") in spans(there)
+    assert there.axis[0][0] == pytest.approx(4300, abs=0.1) and (3075, 4875, "passage") in spans(there)
     doc.undo()
     doc.recompute()
     assert everything(doc) == before
@@ -247,6 +251,115 @@ def test_moves_come_before_works(doc, wishes, tmp_path, template):
     with pytest.raises(PluginError, match="no wall of this document stands there"):
         accept.accept(doc, made, found, option)
     assert everything(doc) == before and doc.UndoCount == 0, "the moves are taken back too"
+
+
+def two_walls(doc):
+    """Two walls in line with a gap of 0.9 m between them."""
+    for label, a, b in (("A", 0, 2000), ("B", 2900, 6000)):
+        wall_on(doc, "draft", (a, 0), (b, 0), label=label)
+    doc.recompute()
+
+
+def test_a_gap_between_two_walls_is_an_opening_too(doc, wishes, tmp_path, template):
+    two_walls(doc)
+    jambs = [[2, 0], [2.9, 0]]
+
+    def widened():
+        assert walls_of(doc)["A"].axis == [(0, 0), (2000, 0)] and walls_of(doc)["B"].axis == [(3800, 0), (6000, 0)]
+
+    made = work("widen", (2, 0), (3.8, 0), demolished=[((2.9, 0), (3.8, 0))], opening=jambs)
+    accepted(doc, wishes, tmp_path / "1", template, [made], ["A", "B"], widened)
+    doc.undo()
+    doc.recompute()
+
+    def closed():
+        assert walls_of(doc)["New wall"].axis == [pytest.approx((2000, 0)), pytest.approx((2900, 0))]
+
+    made = work("close", (2, 0), (2.9, 0), demolished=[], built=[((2, 0), (2.9, 0))], opening=jambs)
+    accepted(doc, wishes, tmp_path / "2", template, [made], ["A", "B"], closed)
+    doc.undo()
+    doc.recompute()
+
+    def hung():
+        closed()
+        assert spans(walls_of(doc)["B"]) == [(1100, 2000, "door")]
+
+    made = work("rehang", (4, 0), (4.9, 0), built=[((2, 0), (2.9, 0))], opening=jambs, filling="door")
+    accepted(doc, wishes, tmp_path / "3", template, [made], ["A", "B"], hung)
+
+
+def test_a_wall_that_is_aligned_by_its_face(doc, wishes, tmp_path, template):
+    """The program's axis runs in the middle of the wall, FreeCAD's along its face."""
+    wall = wall_on(doc, "draft", (0, 0), (6000, 0), 200, "Left", "P")
+    doc.recompute()
+    y = wall.Shape.BoundBox.Center.y / 1000
+    volume = wall.Shape.Volume
+
+    def look():
+        assert spans(walls_of(doc)["P"]) == [(1000, 1900, "door")]
+        assert wall.Shape.Volume == pytest.approx(volume - 900 * 200 * 2100, rel=1e-6)
+        (door,) = (o for o in doc.Objects if document.kind_of(o) == "Window")
+        assert door.Shape.BoundBox.Center.y == pytest.approx(1000 * y, abs=1)
+
+    accepted(doc, wishes, tmp_path, template, [work("door", (1, y), (1.9, y), 0.2, filling="door")], ["P"], look)
+
+
+def test_several_works_in_one_wall(doc, wishes, tmp_path, template):
+    build_house(doc)
+    close = work("close", (4, 0.7), (4, 1.6), demolished=[], built=[((4, 0.7), (4, 1.6))], opening=JAMBS)
+    works = [close, work("open", (4, 3.2), (4, 4.1)), work("remove", (4, 2), (4, 2.5)), work("end", (6.4, 3), (7, 3))]
+
+    def look():
+        there = walls_of(doc)
+        assert spans(there["P1"]) == [(700, 1600, "passage")] and spans(there["P1 part"]) == []
+        assert there["P2"].axis[-1] == pytest.approx((6400, 3000), abs=0.1)
+
+    accepted(doc, wishes, tmp_path, template, works, ["P1", "P2"], look)
+
+
+def test_walls_that_freecad_joined_are_cut(doc, wishes, tmp_path, template):
+    long = wall_on(doc, "draft", (0, 0), (8000, 0), 200, label="long")
+    joined = wall_on(doc, "draft", (3000, 100), (3000, 3000), 100, label="joined")
+    doc.recompute()
+    Arch.addComponents(joined, long)
+    doc.recompute()
+    doc.recompute()
+    works = [work("open", (3, 1), (3, 1.9)), work("open", (5, 0), (6.8, 0), 0.2)]
+
+    def look():
+        there = walls_of(doc)
+        assert spans(there["joined"]) == [(900, 1800, "passage")] and spans(there["long"]) == [(5000, 6800, "passage")]
+
+    accepted(doc, wishes, tmp_path / "1", template, works, ["joined", "long"], look)
+    doc.undo()
+    doc.recompute()
+
+    def gone():
+        assert list(walls_of(doc)) == ["long"]
+
+    accepted(doc, wishes, tmp_path / "2", template, [work("remove", (3, 0.1), (3, 3))], ["joined"], gone)
+
+
+def read_by(program, doc, folder):
+    """The openings that the program finds in the document: kind, width, middle in mm."""
+    made = job.write(document.study(doc, Wishes())[0], str(folder))
+    path = str(folder / "check.json")
+    done = subprocess.run([program, "check", made.drawing, "--json", path], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    assert done.returncode in (0, 1)
+    with open(path) as f:
+        openings = json.load(f)["reading"]["openings"]
+    return {(o["kind"], round(o["width_m"], 3), *map(round, o["at"])) for o in openings}
+
+
+def test_the_program_reads_the_works_in_the_document(doc, wishes, tmp_path, template, program):
+    build_house(doc)
+    before = read_by(program, doc, tmp_path / "before")
+    close = work("close", (4, 0.7), (4, 1.6), demolished=[], built=[((4, 0.7), (4, 1.6))], opening=JAMBS)
+    works = [close, work("open", (4, 3.2), (4, 5)), work("door", (4, 1.9), (4, 2.8), filling="door")]
+    accepted(doc, wishes, tmp_path / "round", template, works, ["P1"])
+    after = read_by(program, doc, tmp_path / "after")
+    assert before - after == {("door", 0.9, 4000, 1150)}
+    assert after - before == {("passage", 1.8, 4000, 4100), ("door", 0.9, 4000, 2350)}
 
 
 def test_a_bent_wall_and_a_rectangle(doc, wishes, tmp_path, template):
@@ -311,4 +424,3 @@ def test_what_stands_elsewhere_than_the_option_says_is_taken_back(doc, wishes, t
 def test_an_option_that_only_cuts_is_no_option_that_leaves_everything(doc, wishes, tmp_path, template):
     build_house(doc)
     refused(doc, wishes, tmp_path, template, [], "leaves everything as it is")
-    assert door_in is not None

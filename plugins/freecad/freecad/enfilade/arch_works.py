@@ -129,10 +129,11 @@ class Plan:
         work = site.work
         if there is None:
             # A gap between two walls.
-            self._cut(site)
             self._build(site)
             if work.kind == "rehang":
                 self._pierce(site, None)
+            else:
+                self._cut(site)
             return
         found, opening = there
         _refuse_locked(found)

@@ -587,11 +587,18 @@ def _add_opening(out: Reading, door, walls: List[Wall], ids: Dict[str, str]) -> 
         if slides:
             out.notes.append(f"'{door.Label}' is not cut at eye height: it does not slide, it only goes with its wall.")
         return
-    is_door = getattr(door, "IfcType", "") == "Door" or low - foot < 100.0
-    opening = Opening(ids[door.Name], door.Label, start, end, "door" if is_door else "window", door.Name)
+    opening = Opening(ids[door.Name], door.Label, start, end, _kind_of_opening(door, low - foot), door.Name)
     opening.clauses = slides
     wall.openings.append(opening)
     out.openings[opening.id] = door
+
+
+def _kind_of_opening(obj, sill: float) -> str:
+    """``passage`` without a leaf, ``door``, or ``window``."""
+    type = getattr(obj, "IfcType", "")
+    if type.startswith("Opening"):
+        return "passage"
+    return "door" if type == "Door" or sill < 100.0 else "window"
 
 
 def _hold_with(out: Reading, wall: Wall, part) -> None:
