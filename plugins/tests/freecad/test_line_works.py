@@ -158,6 +158,29 @@ def test_a_new_wall_is_drawn(doc, tmp_path, template, kind):
     assert new == {line(1950, 250, 1950, 3000), line(2050, 250, 2050, 3000), line(1950, 3000, 2050, 3000)}
 
 
+def test_jambs_meet_faces_that_lie_between_millimetres(doc, tmp_path, template):
+    made = draw(doc, "draft")
+    for name, x in (("P1l", 3950.3), ("P1r", 4050.4)):
+        made[name].Points = [V(x, 1600, 0), V(x, 5750, 0)]
+    doc.recompute()
+    accepted(doc, tmp_path, template, [work("open", (4, 3), (4, 4.8))], WALL)
+    drawn = [[round(c, 4) for p in s.points for c in p] for e in document.read(doc).elements() for s in e.strokes]
+    assert [4050.4, 3000, 3950.3, 3000] in drawn and [4050.4, 4800, 3950.3, 4800] in drawn
+
+
+def test_walls_of_one_line(doc, tmp_path, template):
+    made = draw(doc, "draft")
+    single = Draft.make_line(V(1000, 4000, 0), V(3000, 4000, 0))
+    single.Label = "single"
+    doc.recompute()
+    gone, new = accepted(doc, tmp_path / "1", template, [work("open", (1.5, 4), (2.4, 4), 0.0)], ["single"])
+    assert gone == {line(1000, 4000, 3000, 4000)}
+    assert new == {line(1000, 4000, 1500, 4000), line(2400, 4000, 3000, 4000)} and made
+    close = work("close", (1.5, 4), (2.4, 4), 0.0, demolished=[], built=[((1.5, 4), (2.4, 4))], opening=[[1.5, 4], [2.4, 4]])
+    gone, new = accepted(doc, tmp_path / "2", template, [close], ["single"])
+    assert (gone, new) == (set(), {line(1500, 4000, 2400, 4000)})
+
+
 def test_closed_outlines_are_opened(doc, tmp_path, template):
     draw(doc, "draft")
     block = Draft.make_wire([V(*p, 0) for p in ((1000, 3000), (2000, 3000), (2000, 3100), (1000, 3100))], closed=True, face=False)

@@ -172,13 +172,23 @@ class Plan:
         there = self._near(layers)
         if like is None or self._covers(side, there) or not all(self._touch(p, there) for p in side):
             return
-        like.added.append(Stroke("lines", list(side)))
+        like.added.append(Stroke("lines", [self._snapped(p, there) for p in side]))
+
+    def _snapped(self, p: Point, there: List[Line]) -> Point:
+        """The end of a line where one lies: the result is told in whole millimetres."""
+        ends = [e for line in there for e in line]
+        near = min(ends, key=lambda e: distance(p, e), default=p)
+        return near if distance(p, near) <= self.unit * WORK_MM else p
 
     def _wall(self, wall: NewWall, layers: Set[str], like: Optional[Sheet]) -> None:
         """Both faces of a new wall; jambs that it closes go, a free end gets one."""
         if like is None:
             raise PluginError(f"There is no line that a new wall could be drawn like. {FILE_HAS_IT}.")
-        right_a, right_b, left_b, left_a = wall.outline()
+        there = self._near(layers)
+        right_a, right_b, left_b, left_a = (self._snapped(p, there) for p in wall.outline())
+        if wall.thickness == 0.0:
+            like.added.append(Stroke("lines", [right_a, right_b]))
+            return
         for side in ((right_a, left_a), (right_b, left_b)):
             jambs = self._jambs(side, layers)
             there = [s for s in self._near(layers) if s not in jambs]

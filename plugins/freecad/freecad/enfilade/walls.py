@@ -176,7 +176,8 @@ def _move_ends(sketch, found: Found, points: List[Point]) -> None:
 
 def build(doc, new: NewWall, like):
     """A new wall on a line, as high as another one and made like it."""
-    made = _like(doc, like, list(new.ends), new.thickness, "Center")
+    # A wall that is one line in the drawing is as thick as the other.
+    made = _like(doc, like, list(new.ends), new.thickness or like.Width.Value, "Center")
     made.Label = "New wall"
     return made
 
