@@ -390,7 +390,7 @@ def test_what_cannot_be_made_is_refused_before_anything_changes(doc, wishes, tmp
     def no(made, words):
         refused(doc, wishes, tmp_path, template, [fine, made], words)
 
-    no(work("open", (9.1, 3), (8.9, 3)), "'bow' cannot be changed so .*take the new drawing file")
+    no(work("open", (9.1, 3), (8.9, 3)), "'bow' cannot be changed so .*no straight wall there. Nothing was changed.*take the new drawing file")
     no(work("open", (20, 3), (21, 3)), "no wall of this document stands there")
     no(work("open", (4, 1.2), (4, 2.5)), "'P1': 'Tür 1' stands partly in")
     no(work("shrink", (4, 3), (4, 4)), "does not know such a work; update it")

@@ -7,7 +7,7 @@ from enfilade_common.model import Column, Opening, PluginError, Wall
 from enfilade_common.plane import Point, Rigid, direction, distance, dot, is_inside, left_of, minus, plus
 from enfilade_common.works import NewWall, Work, axis_of, staying
 
-from . import document, hosted, openings, walls
+from . import document, hosted, openings, solids, walls
 from .document import Found, Reading
 
 #: What was made stands where the work says to this, mm.
@@ -25,11 +25,17 @@ class Pierce:
     """A new opening in a wall, from where to where along it."""
 
     found: Found
+    #: The wall; of one without an axis the stretch that is opened.
+    wall: Wall
     span: Span
     filling: str
     #: The door or opening that it takes the place of.
     like: Any = None
     made: Any = None
+
+    @property
+    def is_in_solid(self) -> bool:
+        return self.wall is not self.found.element
 
 
 @dataclass
@@ -72,6 +78,10 @@ class Plan:
         self.built: List[Build] = []
         #: Doors, windows and whatever else stands in what goes, by name.
         self.removed: Dict[str, Any] = {}
+        #: Openings of walls without an axis that are walled up.
+        self.shut: List[Tuple[Found, Wall]] = []
+        #: Walls without an axis that go.
+        self.lost: List[Found] = []
 
     def add(self, work: Work, ids: List[str]) -> None:
         """Adds a work; refuses what cannot be made here."""
@@ -95,13 +105,18 @@ class Plan:
             self._take_with(trim)
 
     def _pierce(self, site: "Site", like) -> None:
+        solid = site.solid(*site.work.stretch)
+        if solid is not None:
+            found, wall = solid
+            self.pierced.append(Pierce(found, wall, (0.0, wall.length()), site.work.filling, like))
+            return
         found, span = site.host(*site.work.stretch)
         wall = found.element
         for opening in wall.openings:
             self._clear(site, found, opening, span, like)
         for obj in self.reading.hosted.get(wall.id, ()):
             self._refuse_within(obj, wall, span)
-        self.pierced.append(Pierce(found, span, site.work.filling, like))
+        self.pierced.append(Pierce(found, wall, span, site.work.filling, like))
 
     def _clear(self, site: "Site", found: Found, opening: Opening, span: Span, like) -> None:
         """What lies within the new opening goes; what reaches beyond it is in the way."""
@@ -127,6 +142,10 @@ class Plan:
     def _change_opening(self, site: "Site") -> None:
         there = site.opening()
         work = site.work
+        solid = site.solid_opening() if there is None else None
+        if solid is not None:
+            self._change_solid(site, *solid)
+            return
         if there is None:
             # A gap between two walls.
             self._build(site)
@@ -146,6 +165,19 @@ class Plan:
         if work.kind != "close":
             self._pierce(site, obj)
 
+    def _change_solid(self, site: "Site", found: Found, obj) -> None:
+        """A door in a wall without an axis goes; where it is moved or widened another one comes."""
+        _refuse_locked(found)
+        if document.lock(obj):
+            raise PluginError(f"'{obj.Label}' cannot be changed: {document.lock(obj)}. Nothing was changed.")
+        a, b = site.work.opening or site.work.stretch
+        self.removed[obj.Name] = obj
+        if site.work.kind in ("close", "rehang"):
+            thickness = max([w.thickness for w in site.work.built], default=0.0)
+            self.shut.append((found, solids.stretch(found, a, b, thickness)))
+        if site.work.kind != "close":
+            self._pierce(site, obj)
+
     def _slides(self, site: "Site", found: Found, opening: Opening) -> bool:
         """Whether the very door can go to its new place."""
         host, span = site.host(*site.work.stretch)
@@ -161,13 +193,25 @@ class Plan:
     def _cut(self, site: "Site") -> None:
         for quad in site.work.demolished:
             a, b = axis_of(quad)
-            if distance(a, b) <= WORK_MM:
+            solid = site.solid(a, b) if distance(a, b) > WORK_MM else None
+            if distance(a, b) <= WORK_MM or solid and self._loses(site, solid[0]):
                 continue
             found, span = site.host(a, b)
             trim = self.trimmed.setdefault(found.element.id, Trim(found))
             trim.cuts.append(span)
             parts = staying(found.element.length(), trim.cuts, WORK_MM)
             trim.stays = [p for p in parts if not (site.is_hidden(found.element, p) or _is_lintel(found.element, p))]
+
+    def _loses(self, site: "Site", found: Found) -> bool:
+        """Whether a wall without an axis goes as a whole."""
+        if not solids.goes_whole(found, site.work):
+            raise PluginError(
+                f"'{found.element.label}': only the whole wall could be removed here, as it stands on no line. {FILE_HAS_IT}."
+            )
+        if found not in self.lost:
+            self.lost.append(found)
+            self.removed.update({o.Name: o for o in self.reading.hosted.get(found.element.id, ())})
+        return True
 
     def _take_with(self, trim: Trim) -> None:
         """Doors and whatever else stands in what goes, go too."""
@@ -193,6 +237,7 @@ class Plan:
     def touched(self) -> List[str]:
         """Ids of the walls that are changed where they stand."""
         found = [s.found for s in [*self.pierced, *self.slid, *self.trimmed.values()]]
+        found += [f for f, _ in self.shut] + self.lost
         return [f.element.id for f in found] + self._hosts_of_removed()
 
     def _hosts_of_removed(self) -> List[str]:
@@ -206,7 +251,7 @@ class Plan:
 
     def labels(self) -> List[str]:
         touched = [self.reading.found[id].element.label for id in self.touched()]
-        return list(dict.fromkeys(touched + [b.like.element.label for b in self.built[:0]]))
+        return list(dict.fromkeys(touched))
 
     def make(self, doc) -> None:
         """Changes the document. Inside a transaction."""
@@ -215,10 +260,12 @@ class Plan:
         for slide in self.slid:
             self._slide(slide)
         for build in self.built:
-            build.made = walls.build(doc, build.wall, build.like.object)
+            build.made = walls.build(doc, build.wall, build.like)
         standing = {id: self._standing(trim.found) for id, trim in self.trimmed.items()}
         for obj in self.removed.values():
             openings.remove(obj)
+        for found in self.lost:
+            walls.remove(found.object)
         for id, trim in self.trimmed.items():
             has_things = bool(trim.found.element.openings or self.reading.hosted.get(id))
             trim.made = walls.trim(doc, trim.found, trim.stays, standing[id], has_things)
@@ -238,7 +285,7 @@ class Plan:
         return out + [(p.made, sum(p.span) / 2) for p in self.pierced if p.found is found]
 
     def _open(self, pierce: Pierce) -> None:
-        wall = pierce.found.element
+        wall = pierce.wall
         sill, head = openings.heights(self.reading, wall, pierce.filling, pierce.like)
         foot = document.foot_of(wall, self.reading)
         ends = tuple(wall.at(s) for s in pierce.span)
@@ -260,6 +307,18 @@ class Site:
 
     def _walls(self) -> List[Found]:
         return [f for f in self.reading.found.values() if isinstance(f.element, Wall) and not f.element.rings]
+
+    def solid(self, a: Point, b: Point) -> Optional[Tuple[Found, Wall]]:
+        """The wall without an axis in whose body a stretch lies; none where a wall with one does."""
+        if next(self._spans(a, b), None) is not None:
+            return None
+        there = solids.host(self.reading, self.work, a, b)
+        if there is not None:
+            _refuse_locked(there[0])
+        return there
+
+    def solid_opening(self) -> Optional[Tuple[Found, Any]]:
+        return solids.opening(self.reading, *(self.work.opening or self.work.stretch), SAME_JAMB_MM)
 
     def host(self, a: Point, b: Point) -> Tuple[Found, Span]:
         """The wall in which a stretch lies, and from where to where along it; those that the work names first."""
@@ -288,7 +347,7 @@ class Site:
             element = found.element
             rings = [element.ring] if isinstance(element, Column) else element.rings
             if any(is_inside(r, middle) for r in rings):
-                why = "it is no straight Arch wall on a line" if not document.is_link(found.object) else "it is a link"
+                why = "it is a link" if document.is_link(found.object) else "it is no straight wall there"
                 return f"'{element.label}' cannot be changed so ({self.work.said()}): {why}. {FILE_HAS_IT}."
         return f"{_said(self.work)}: no wall of this document stands there. {FILE_HAS_IT}."
 
@@ -314,7 +373,7 @@ class Site:
     def like(self, new: NewWall) -> Found:
         """The wall that a new one is made like: one of those that the work names, else the nearest in thickness."""
         named = [f for f in self._walls() if f.element.id in self.ids]
-        there = named or self._walls()
+        there = named or self._walls() or [f for f in solids.walls(self.reading) if not document.is_link(f.object)]
         if not there:
             raise PluginError(f"{_said(self.work)}: there is no wall that it could be like. {FILE_HAS_IT}.")
         return min(there, key=lambda f: abs(f.element.thickness - new.thickness))

@@ -32,8 +32,9 @@ def head_of(obj, foot: float) -> float:
 def head_in(reading: document.Reading, wall: Wall) -> Optional[float]:
     """Head of the other doors of a wall."""
     foot = document.foot_of(wall, reading)
-    heads = [head_of(reading.openings[o.id], foot) for o in wall.openings if o.kind == "door"]
-    return max(heads, default=None)
+    doors = [reading.openings[o.id] for o in wall.openings if o.kind == "door"]
+    doors += [o for o in reading.hosted.get(wall.id, ()) if getattr(o, "IfcType", "") == "Door"]
+    return max((head_of(door, foot) for door in doors), default=None)
 
 
 def head_anywhere(reading: document.Reading) -> float:

@@ -174,10 +174,13 @@ def _move_ends(sketch, found: Found, points: List[Point]) -> None:
             raise PluginError(f"{held} ({e}); nothing was changed.") from e
 
 
-def build(doc, new: NewWall, like):
+def build(doc, new: NewWall, like: Found):
     """A new wall on a line, as high as another one and made like it."""
     # A wall that is one line in the drawing is as thick as the other.
-    made = _like(doc, like, list(new.ends), new.thickness or like.Width.Value, "Center")
+    made = _like(doc, like.object, list(new.ends), new.thickness or like.object.Width.Value, "Center")
+    if like.element.rings:
+        # A solid is as high as it is, whatever its property says.
+        made.Height = like.element.height
     made.Label = "New wall"
     return made
 

@@ -7,9 +7,9 @@ from enfilade_common.job import Job
 from enfilade_common.model import Drawn, PluginError, Wall, geometry_hash
 from enfilade_common.plane import Point, direction, distance, left_of, plus
 
-from . import arch_works, document, line_works
+from . import arch_works, document, line_works, solids
 from .arch_works import WORK_MM
-from .document import Reading, Vector
+from .document import Reading
 
 
 def plan(reading: Reading, job: Job, option: results.Option):
@@ -60,7 +60,8 @@ class Wanted:
     def __init__(self, planned: arch_works.Plan):
         self.planned = planned
         # Before anything changes: the walls and doors of the reading are those of then.
-        self.holes = [(p, tuple(p.found.element.at(s) for s in p.span)) for p in planned.pierced]
+        self.holes = [(p, tuple(p.wall.at(s) for s in p.span)) for p in planned.pierced if not p.is_in_solid]
+        self.solid = [(p, self._beside(p.found, p.wall)) for p in planned.pierced if p.is_in_solid]
         self.slid = [
             (planned.reading.openings[s.opening.id].Name, s.opening.label, tuple(s.found.element.at(a) for a in s.span))
             for s in planned.slid
@@ -85,11 +86,18 @@ class Wanted:
     def check(self, now: Reading) -> None:
         for pierce, ends in self.holes:
             self._check_hole(now, pierce.made.Name, pierce.found.element.label, ends)
-            self._check_solid(now, pierce.found, sum(pierce.span) / 2, False)
+            self._check_solid(pierce.found, sum(pierce.span) / 2, False)
+        for pierce, there in self.solid:
+            self._check_beside(pierce, there)
+        for found, wall in self.planned.shut:
+            _check_body(found, wall.at(wall.length() / 2), True)
+        for found in self.planned.lost:
+            if found.element.id in now.found:
+                raise PluginError(f"'{found.element.label}' still stands where the option removes it; nothing was changed.")
         for name, label, ends in self.slid:
             self._check_hole(now, name, label, ends)
         for found, label, middle in self.shut:
-            self._check_solid(now, found, middle, True)
+            self._check_solid(found, middle, True)
         for trim, parts in self.parts:
             self._check_parts(now, trim, parts)
         for build in self.planned.built:
@@ -103,18 +111,23 @@ class Wanted:
                     return
         raise PluginError(f"The opening in '{label}' does not stand where the option says; nothing was changed.")
 
-    def _check_solid(self, now: Reading, found, along: float, is_solid: bool) -> None:
+    def _check_solid(self, found, along: float, is_solid: bool) -> None:
         """Whether the wall's very body is open, or closed, in its middle."""
-        wall, obj = found.element, found.object
+        wall = found.element
         if wall.id in self.planned.trimmed:
             return
         u = direction(*_piece_at(wall, along))
-        x, y = plus(wall.at(along), left_of(u), (wall.left - wall.right) / 2)
-        foot = document.foot_of(now.found[wall.id].element, now)
-        z = foot + min(document.EYE_MM, wall.height / 2)
-        if document.shape_of(obj).isInside(Vector(x, y, z), 0.01, True) != is_solid:
-            said = "stays open" if is_solid else "stays closed"
-            raise PluginError(f"'{wall.label}' {said} where the option changes it; nothing was changed.")
+        _check_body(found, plus(wall.at(along), left_of(u), (wall.left - wall.right) / 2), is_solid)
+
+    def _beside(self, found, wall: Wall):
+        """What is solid on both sides of the jambs to come."""
+        return [(p, is_within, solids.is_solid(found.object, p, _eye(found))) for p, is_within in solids.beside(wall)]
+
+    def _check_beside(self, pierce, there) -> None:
+        for p, is_within, was_solid in there:
+            if solids.is_solid(pierce.found.object, p, _eye(pierce.found)) != (was_solid and not is_within):
+                label = pierce.found.element.label
+                raise PluginError(f"The opening in '{label}' does not stand where the option says; nothing was changed.")
 
     def _check_parts(self, now: Reading, trim, parts) -> None:
         label = trim.found.element.label
@@ -126,6 +139,18 @@ class Wanted:
         for part in _joined(parts, trim.found.element):
             if not any(_same(end, part) or _same(end[::-1], part) for end in ends):
                 raise PluginError(f"'{label}' does not end where the option says; nothing was changed.")
+
+
+def _eye(found) -> float:
+    """Height at which a wall is cut for the plan."""
+    return document.shape_of(found.object).BoundBox.ZMin + min(document.EYE_MM, found.element.height / 2)
+
+
+def _check_body(found, at: Point, is_solid: bool) -> None:
+    """Whether the very body of a wall is closed, or open, at a place."""
+    if solids.is_solid(found.object, at, _eye(found)) != is_solid:
+        said = "stays open" if is_solid else "stays closed"
+        raise PluginError(f"'{found.element.label}' {said} where the option changes it; nothing was changed.")
 
 
 def _piece_at(wall: Wall, along: float):
