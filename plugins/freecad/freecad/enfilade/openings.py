@@ -11,6 +11,7 @@ from enfilade_common.model import Wall
 from enfilade_common.plane import Point, direction, left_of, plus
 
 from . import document, hosted
+from .wording import say
 
 Vector = App.Vector
 
@@ -78,7 +79,7 @@ def _window(wall: Wall, ends: tuple, z: tuple, filling: str):
     sizes = dict(width=width, height=z[1] - z[0], h1=frame, h2=frame, h3=0, w1=wall.thickness, w2=frame, o1=0, o2=0)
     place = App.Placement(Vector(x, y, z[0]), _turned(u))
     made = Arch.makeWindowPreset("Simple door" if filling == "door" else "Fixed", placement=place, **sizes)
-    made.Label = "Door" if filling == "door" else "Glass"
+    made.Label = say("Door") if filling == "door" else say("Glass")
     if filling == "glass":
         made.WindowParts = _pane_within(made.WindowParts, wall.thickness, frame)
     return made
@@ -101,7 +102,7 @@ def _hole(wall: Wall, ends: tuple, z: tuple):
     # Without parts it is a hole and nothing else.
     made.WindowParts = []
     made.Normal = Vector(*left_of(direction(*ends)), 0)
-    made.Label = "Opening"
+    made.Label = say("Opening")
     if "Opening Element" in made.getEnumerationsOfProperty("IfcType"):
         made.IfcType = "Opening Element"
     return made

@@ -12,6 +12,7 @@ from enfilade_common.works import NewWall
 
 from . import document, marks, openings
 from .document import Found
+from .wording import say
 
 Vector = App.Vector
 Span = Tuple[float, float]
@@ -108,7 +109,7 @@ def trim(doc, found: Found, stays: List[Span], standing: List[Standing], has_thi
         obj.touch()
     for part, piece in zip(parts, made):
         if piece is not obj:
-            piece.Label = label if part is kept else label + " part"
+            piece.Label = label if part is kept else say("{} part", label)
     return [piece.Name for piece in made]
 
 
@@ -181,7 +182,7 @@ def build(doc, new: NewWall, like: Found):
     if like.element.rings:
         # A solid is as high as it is, whatever its property says.
         made.Height = like.element.height
-    made.Label = "New wall"
+    made.Label = say("New wall")
     return made
 
 
