@@ -495,14 +495,17 @@ def lineage_entry(found: Round, option: Option, drawing: str) -> Dict[str, Any]:
 def gone(plan: Plan, found: Round, option: Option) -> Dict[str, Dict[str, float]]:
     """How far an option takes what was marked, by id and kind of move, mm or degrees."""
     out: Dict[str, Dict[str, float]] = {}
-    tables = iter(plan.tables)
+    tables = list(plan.tables)
     for move, value in zip(found.moves, option.parameters):
-        # The program leaves out moves that would do nothing.
-        table = next((t for t in tables if (t.name, t.clause.kind) == move), None)
-        if table is None:
+        # The program leaves out moves that would do nothing, and may know others that an option does not use.
+        at = next((i for i, t in enumerate(tables) if (t.name, t.clause.kind) == move), None)
+        if at is None and value == 0.0:
+            continue
+        if at is None:
             raise PluginError(f"The option has a move of {move[0]!r} that this study never wrote; nothing was taken over.")
-        for id in table.members:
+        for id in tables[at].members:
             out.setdefault(id, {})[move[1]] = value
+        del tables[: at + 1]
     return out
 
 

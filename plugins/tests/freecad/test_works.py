@@ -9,7 +9,7 @@ import FreeCAD as App
 import pytest
 from conftest import KINDS, V, build_house, door_in, wall_on
 from enfilade import accept, document, marks
-from enfilade_common import job
+from enfilade_common import job, results
 from enfilade_common.model import PluginError, Wishes
 from rounds import work, written
 from test_accepting import state
@@ -424,3 +424,36 @@ def test_what_stands_elsewhere_than_the_option_says_is_taken_back(doc, wishes, t
 def test_an_option_that_only_cuts_is_no_option_that_leaves_everything(doc, wishes, tmp_path, template):
     build_house(doc)
     refused(doc, wishes, tmp_path, template, [], "leaves everything as it is")
+
+
+def test_the_works_of_the_program_itself(doc, tmp_path, program):
+    """A flat of three rooms in which nothing is marked: the program cuts openings, and so does the document."""
+    corners = [(0, 0), (12000, 0), (12000, 9000), (0, 9000)]
+    for label, a, b in zip("SENW", corners, corners[1:] + corners[:1]):
+        wall_on(doc, "draft", a, b, 250, label=label)
+    walls = {"P": ((6000, 125), (6000, 8875)), "Q": ((6050, 4500), (11875, 4500))}
+    walls = {label: wall_on(doc, "draft", *ends, label=label) for label, ends in walls.items()}
+    doc.recompute()
+    for at, label, turn in (((6000, 700), "P", 90), ((6000, 7000), "P", 90), ((9000, 4500), "Q", 0)):
+        door_in(walls[label], at, turn)
+    doc.recompute()
+    doc.recompute()
+    wishes = Wishes(members=2, evaluations=40, spacing_m=0.3)
+    made = job.write(document.study(doc, wishes)[0], str(tmp_path))
+    path = tmp_path / "plan.enfilade.toml"
+    path.write_text(path.read_text().replace("only-marked = true", "only-marked = false"))
+    done = subprocess.run([program, "run", made.drawing, "--quiet"], stdin=subprocess.DEVNULL)
+    assert done.returncode in (0, 1)
+    found = results.latest(made)
+    assert any(o.works for o in found.options), [o.words for o in found.options]
+    for option in (o for o in found.options if o.works):
+        before = everything(doc)
+        doc.clearUndos()
+        accept.accept(doc, made, found, option)
+        assert all(results.worked(made, w) for w in option.works), "every work names its walls"
+        there = walls_of(doc)
+        wide = sorted(round(o.end - o.start) for w in there.values() for o in w.openings if o.kind == "passage")
+        assert wide == sorted(round(w.width) for w in option.works if w.kind in ("open", "widen"))
+        doc.undo()
+        doc.recompute()
+        assert everything(doc) == before
