@@ -56,18 +56,29 @@ class Job:
 
     def labels(self) -> Dict[str, str]:
         """Labels of what stands in the drawing, by its handle there."""
+        names = {e.id: e.label for e in self.study.movables()}
+        names.update((o.id, o.label) for w in self.study.walls for o in w.openings)
+        return {handle: names.get(id, "") for handle, id in self.owners().items()}
+
+    def owners(self) -> Dict[str, str]:
+        """Ids of the elements and openings that stand in the drawing, by handle; corners belong to their outline."""
         try:
             with open(self.drawing, encoding="ascii", errors="replace") as f:
                 lines = [line.strip() for line in f]
         except OSError:
             return {}
-        names = {e.id: e.label for e in self.study.movables()}
-        names.update((o.id, o.label) for w in self.study.walls for o in w.openings)
-        out, handle = {}, ""
+        out: Dict[str, str] = {}
+        handle, owner, is_corner = "", "", False
         for (code, value), (_, following) in zip(zip(lines[0::2], lines[1::2]), zip(lines[2::2], lines[3::2])):
-            handle = value if code == "5" else handle
-            if (code, value) == ("1001", APPLICATION):
-                out[handle] = names.get(following.rsplit("/", 1)[0], "")
+            if code == "0":
+                is_corner = value in ("VERTEX", "SEQEND")
+                owner = owner if is_corner else ""
+            elif code == "5":
+                handle = value
+                if is_corner and owner:
+                    out[handle] = owner
+            elif (code, value) == ("1001", APPLICATION):
+                out[handle] = owner = following.rsplit("/", 1)[0]
         return out
 
 
@@ -170,6 +181,9 @@ def drawing_text(study: Study, plan: Plan) -> Tuple[str, Dict[str, str]]:
         out.polyline(layer, outline.written(), outline.is_closed, ids)
     for wall in study.walls:
         for o in () if wall.rings else wall.openings:
+            if o.kind == "passage":
+                # A gap that nothing stands in.
+                continue
             layer = "A-GLAZ" if o.kind == "window" else "A-DOOR"
             out.line(layer, wall.at(o.start), wall.at(o.end), (o.id, o.label))
     for region in study.regions:

@@ -39,12 +39,13 @@ class Clause:
 
 @dataclass
 class Opening:
-    """A door or window in a wall, by where it begins and ends along the wall's axis, mm."""
+    """A door, a window or a passage in a wall, by where it begins and ends along the wall's axis, mm."""
 
     id: str
     label: str
     start: float
     end: float
+    #: ``door``, ``window``, or ``passage``: an opening without a leaf.
     kind: str = "door"
     name: str = ""
     #: Slides along its wall within these clauses (kind ``along``).

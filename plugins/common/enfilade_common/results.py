@@ -28,6 +28,7 @@ from .plane import (
     plus,
     turn_about,
 )
+from .works import Work, work_outlines, works_of
 
 RESULT_SCHEMA = "enfilade.result/1"
 
@@ -73,6 +74,8 @@ class Option:
     gain: Dict[str, Dict[str, Any]] = field(default_factory=dict)
     #: Units of the drawing in a metre.
     per_metre: float = 1000.0
+    #: Building works; none where it only moves what stands.
+    works: List[Work] = field(default_factory=list)
 
     def change(self, measure: str) -> str:
         """The confirmed change of a measure, as the program writes it: ``+9 % (7 to 11 %)``."""
@@ -263,6 +266,7 @@ def _option(folder: str, number: int, data: Dict[str, Any], per_metre: float) ->
         changes=list(data["changes"]),
         per_metre=per_metre,
         gain=dict(data.get("gain", {})),
+        works=works_of(data.get("works"), per_metre),
     )
 
 
@@ -298,6 +302,19 @@ def layout(job: Job, option: Option) -> List[Change]:
             else:
                 out.append(change_of(element, mine, rings))
     return out
+
+
+def worked(job: Job, work: Work) -> List[str]:
+    """Ids of the elements of the host that draw the wall of a work, as far as the result names them."""
+    owners = job.owners()
+    named = [owners.get(str(e.get("handle")), "") for e in work.elements]
+    return list(dict.fromkeys(id for id in named if job.study.element(id) is not None))
+
+
+def standing(job: Job, option: Option) -> List[Change]:
+    """The elements that the works of an option change where they stand, as changes without a way."""
+    ids = dict.fromkeys(id for work in option.works for id in worked(job, work))
+    return [Change(id, STILL, [], [], {}) for id in ids]
 
 
 def _in_drawing(points: Any, option: Option) -> List[Point]:
@@ -478,14 +495,17 @@ def lineage_entry(found: Round, option: Option, drawing: str) -> Dict[str, Any]:
 def gone(plan: Plan, found: Round, option: Option) -> Dict[str, Dict[str, float]]:
     """How far an option takes what was marked, by id and kind of move, mm or degrees."""
     out: Dict[str, Dict[str, float]] = {}
-    tables = iter(plan.tables)
+    tables = list(plan.tables)
     for move, value in zip(found.moves, option.parameters):
-        # The program leaves out moves that would do nothing.
-        table = next((t for t in tables if (t.name, t.clause.kind) == move), None)
-        if table is None:
+        # The program leaves out moves that would do nothing, and may know others that an option does not use.
+        at = next((i for i, t in enumerate(tables) if (t.name, t.clause.kind) == move), None)
+        if at is None and value == 0.0:
+            continue
+        if at is None:
             raise PluginError(f"The option has a move of {move[0]!r} that this study never wrote; nothing was taken over.")
-        for id in table.members:
+        for id in tables[at].members:
             out.setdefault(id, {})[move[1]] = value
+        del tables[: at + 1]
     return out
 
 
@@ -546,6 +566,10 @@ def ghosts(job: Job, option: Option) -> Tuple[List[Line], List[Line]]:
             lost, made = moved_lines(before, after, outline.is_closed, FIT_MM * option.per_metre / 1000.0)
         else:
             lost, made = moved_lines(before, after)
+        gone_lines += lost
+        new_lines += made
+    for work in option.works:
+        lost, made = work_outlines(work)
         gone_lines += lost
         new_lines += made
     return gone_lines, new_lines

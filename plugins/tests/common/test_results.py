@@ -212,6 +212,8 @@ def test_what_was_gone_is_told_by_what_was_marked(house, tmp_path):
     found.moves[1] = ("stranger", "x")
     with pytest.raises(PluginError, match="'stranger'"):
         results.gone(plan, found, option)
+    option.parameters[1] = 0.0
+    assert results.gone(plan, found, option) == {"D1": {"along": 700}, "P3": {"rotate": 25}, "C": {"x": -120}}
 
 
 def round_in(folder, sha256, version="0.1.0 (a)", problems=()):

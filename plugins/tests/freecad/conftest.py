@@ -127,3 +127,23 @@ def run_study(program):
         return made, results.latest(made)
 
     return run
+
+
+@pytest.fixture(scope="session")
+def template(tmp_path_factory):
+    """``result.json`` of a real round."""
+    import json
+
+    from enfilade import document
+    from enfilade_common import job
+    from enfilade_common.model import Wishes
+
+    doc = App.newDocument("Template")
+    build_house(doc)
+    study, _ = document.study(doc, Wishes(members=1, evaluations=60))
+    made = job.write(study, str(tmp_path_factory.mktemp("template")))
+    App.closeDocument(doc.Name)
+    done = subprocess.run([os.environ["ENFILADE"], "run", made.drawing, "--quiet"], stdin=subprocess.DEVNULL)
+    assert done.returncode in (0, 1)
+    with open(os.path.join(made.results_folder, "round-01", "result.json")) as f:
+        return json.load(f)

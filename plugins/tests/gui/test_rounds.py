@@ -1,6 +1,8 @@
 """A house, a plan of Draft lines and an imported DXF with real clicks: mark, run, stop, look, accept, undo, again."""
 
+import json
 import os
+import shutil
 
 import pytest
 from conftest import ROOT
@@ -142,3 +144,51 @@ def test_03_an_imported_drawing(window):
     window.shot("25-imported")
     take(window, 1, "ends")
     assert window.ask("used") and within_bounds(window)
+
+
+def with_works(folder, works):
+    """A next round whose only option has building works and moves nothing."""
+    next_round = os.path.join(os.path.dirname(folder), "round-99")
+    shutil.copytree(folder, next_round)
+    path = os.path.join(next_round, "result.json")
+    with open(path) as f:
+        data = json.load(f)
+    option = {**data["candidates"][0], "changes": [], "parameters": [], "words": "Visibility +8 %.", "works": works}
+    data.update(candidates=[option], best=None)
+    with open(path, "w") as f:
+        json.dump(data, f)
+
+
+def opening(kind, words, a, b, **rest):
+    stretch = [[4, a], [4, b]]
+    gone = [[[4.05, a], [4.05, b], [3.95, b], [3.95, a]]]
+    return {"kind": kind, "words": words, "stretch": stretch, "width_m": b - a, "demolished": gone, **rest}
+
+
+def test_04_an_option_that_cuts_and_builds(window):
+    window.ask("house", "Umbau")
+    window.wait_for("panel", lambda p: p["document"] == "Umbau", 10)
+    window.click(window.ask("tab", 0))
+    window.click(window.ask("point", 4000, 4000))
+    tick_only(window, "x")
+    window.press("EnfiladeAllow")
+    panel = run_study(window, 100, 1)
+    assert panel["options"] >= 1, panel
+    passage = opening("open", "An opening of 1.2 m between kitchen and hall", 2.2, 3.4)
+    built = [{"ends": [[1.5, 0.125], [1.5, 4.0]], "thickness_m": 0.1}]
+    new = {"kind": "add", "words": "A wall of 3.9 m in kitchen", "stretch": built[0]["ends"], "width_m": 3.9, "built": built}
+    door = opening("door", "A door of 0.9 m between kitchen and hall", 3.6, 4.5, filling="door")
+    with_works(panel["round"], [passage, new, door])
+    window.ask("run_command", "Enfilade_Look")
+    panel = window.wait_for("panel", lambda p: p["round"].endswith("round-99"), 20)
+    window.click(window.ask("item", 1))
+    words = window.ask("panel")["words"]
+    assert words.split("\n") == ["Visibility +8 %.", "• An opening of 1.2 m between kitchen and hall", "• A wall of 3.9 m in kitchen", "• A door of 0.9 m between kitchen and hall"]
+    window.wait_for("panel", lambda p: p["overlay"]["ghost"], 30)
+    window.shot("26-works")
+    take(window, 1, "state")
+    said = "Accepted option 1: an opening of 1.2 m between kitchen and hall; a wall of 3.9 m in kitchen; a door of 0.9 m"
+    assert status(window).startswith(said), status(window)
+    window.ask("isometric")
+    window.shot("27-works-accepted")
+    assert window.ask("state")["New wall"][:4] == [1450, 125, 1550, 4000]

@@ -7,6 +7,7 @@ from enfilade_common import job, results
 from enfilade_common.model import PluginError, Wishes
 from enfilade_common.moves import applied, plan_of
 from enfilade_common.plane import distance
+from enfilade_common.works import Work
 from enfilade_revit import applying, reading
 from enfilade_revit.host import Host
 from fake import building, elements, walls
@@ -126,6 +127,19 @@ def test_an_edited_pinned_or_deleted_wall_is_refused(revit, tmp_path):
     screen._s["ends"] = kept
     del revit.doc._elements[screen._id]
     refused(revit, made, option, "'Screen .*' was deleted")
+
+
+def test_an_option_that_cuts_walls_is_refused(revit, tmp_path):
+    made, option = option_of(revit.host(), tmp_path, MOVES)
+    option.works = [Work("open", "An opening of 1.8 m between hall and office", ((4000.0, 2000.0), (4000.0, 3800.0)), 1800.0)]
+    words = r"cuts or builds walls \(an opening of 1.8 m .*\).*nothing was changed.*the new drawing file.*candidate-1.dxf"
+    refused(revit, made, option, words)
+    before = everything(revit)
+    with pytest.raises(PluginError, match=words):
+        applying.apply_drawing(revit.host(), option)
+    assert everything(revit) == before
+    option.changes = []
+    refused(revit, made, option, words)
 
 
 @pytest.mark.parametrize("name", ["Partition", "Screen", "Column"])

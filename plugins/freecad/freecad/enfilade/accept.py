@@ -13,7 +13,7 @@ from enfilade_common.moves import plan_of
 from enfilade_common.plane import STILL, Rigid, distance
 from enfilade_common.results import Change
 
-from . import document, hosted, marks, plan2d
+from . import document, hosted, marks, plan2d, works
 from .document import Found, Reading, Vector
 from .hosted import Going, placement
 
@@ -32,7 +32,7 @@ NO_UNDO = (
 
 
 def accept(doc, job: Job, found: results.Round, option: results.Option, on_moved=None) -> List[str]:
-    """Moves the document to an option; gives the labels of what moved.
+    """Moves the document to an option and makes its building works; gives the labels of what moved or changed.
 
     ``on_moved`` is called inside the transaction, before it is closed. Nothing is changed where anything
     does not fit: an element edited or deleted meanwhile, a base that cannot take the new place.
@@ -42,27 +42,40 @@ def accept(doc, job: Job, found: results.Round, option: results.Option, on_moved
     if not doc.UndoMode:
         raise PluginError(NO_UNDO)
     changes = results.layout(job, option)
-    if not changes:
+    if not changes and not option.works:
         raise PluginError("This option leaves everything as it is.")
     reading = _read(doc, job)
-    _refuse_edited(doc, job, reading, changes)
+    _refuse_edited(doc, job, reading, [*changes, *results.standing(job, option)])
     locked = [f"'{f.element.label}': {f.element.locked}" for f in _found(reading, changes) if f.element.locked]
     if locked:
         raise PluginError("The option moves what cannot be moved: " + "; ".join(locked) + ". Nothing was changed.")
-    before = {e.id: geometry_hash(e) for e in reading.elements()}
-    going, bodies = _going(reading, changes), _bodies(reading, changes)
+    if not changes:
+        # What cannot be made is refused before anything is touched; behind moves it can only be tried.
+        works.plan(reading, job, option)
     gone = results.gone(job.plan or plan_of(job.study), found, option)
+    labels = [f.element.label for f in _found(reading, changes)]
     with _one_step(doc, f"Enfilade: option {option.number}"):
-        _move(doc, reading, changes)
-        hosted.move(going)
-        doc.recompute()
-        hosted.settle(doc, going)
-        _check(doc, job, before, changes, STAND_MM * min(1.0, option.per_metre / 1000.0))
-        _check_bodies(bodies)
+        _move_all(doc, job, option, reading, changes)
         _take(reading, gone)
+        if option.works:
+            labels += works.make(doc, lambda: _read(doc, job), job, option)
         if on_moved is not None:
             on_moved()
-    return [f.element.label for f in _found(reading, changes)]
+    return labels
+
+
+def _move_all(doc, job: Job, option: results.Option, reading: Reading, changes: List[Change]) -> None:
+    """Moves what an option moves; inside a transaction."""
+    if not changes:
+        return
+    before = {e.id: geometry_hash(e) for e in reading.elements()}
+    going, bodies = _going(reading, changes), _bodies(reading, changes)
+    _move(doc, reading, changes)
+    hosted.move(going)
+    doc.recompute()
+    hosted.settle(doc, going)
+    _check(doc, job, before, changes, STAND_MM * min(1.0, option.per_metre / 1000.0))
+    _check_bodies(bodies)
 
 
 @contextmanager
@@ -79,7 +92,7 @@ def _one_step(doc, name: str):
         doc.recompute()
         if isinstance(e, PluginError):
             raise
-        raise PluginError(f"FreeCAD could not move the walls ({e}); nothing was changed.") from e
+        raise PluginError(f"FreeCAD could not change the walls ({e}); nothing was changed.") from e
     else:
         doc.commitTransaction()
     finally:
@@ -109,7 +122,7 @@ def _read(doc, job: Job) -> Reading:
 
 def changed_around(doc, job: Job, option: results.Option) -> str:
     """What else changed in the plan since the study, in one sentence; nothing where nothing did."""
-    changes = results.layout(job, option)
+    changes = [*results.layout(job, option), *results.standing(job, option)]
     changed = results.changed_around(job, _read(doc, job).elements(), changes)
     if not changed:
         return ""

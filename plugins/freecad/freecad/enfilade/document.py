@@ -140,7 +140,7 @@ def storeys(doc) -> List[str]:
     walls = [o for o in doc.Objects if kind_of(o) == "Wall" and is_solid(o)]
     for obj in walls or plan2d.lines(doc):
         label = storey_of(obj)
-        foot = _shape(obj).BoundBox.ZMin
+        foot = shape_of(obj).BoundBox.ZMin
         heights[label] = min(foot, heights.get(label, foot))
     return sorted(heights, key=lambda s: heights[s])
 
@@ -216,7 +216,7 @@ def _kind_in_plan(out: Reading, obj) -> str:
     return kind if is_one else ""
 
 
-def _shape(obj):
+def shape_of(obj):
     """An object's shape where it stands in the document."""
     outer = hosted.outer_placement(obj)
     if outer.isIdentity():
@@ -233,12 +233,12 @@ def _is_upright(obj) -> bool:
 
 def _floor(objects) -> float:
     """Height on which most of them stand."""
-    feet = sorted(_shape(o).BoundBox.ZMin for o in objects)
+    feet = sorted(shape_of(o).BoundBox.ZMin for o in objects)
     return feet[(len(feet) - 1) // 2] if feet else 0.0
 
 
 def _is_low(obj, floor: float) -> bool:
-    box = _shape(obj).BoundBox
+    box = shape_of(obj).BoundBox
     return box.ZLength < EYE_MM - SAME_MM and box.ZMax - floor < EYE_MM - SAME_MM
 
 
@@ -337,7 +337,7 @@ def _add_region(out: Reading, obj, kind: str, many: bool, storey) -> None:
     if many and storey_of(obj) not in ("", storey):
         return
     shape = getattr(obj, "Shape", None)
-    wires = [w for w in _shape(obj).Wires if w.isClosed()] if shape is not None and not shape.isNull() else []
+    wires = [w for w in shape_of(obj).Wires if w.isClosed()] if shape is not None and not shape.isNull() else []
     if not wires:
         out.notes.append(f"The region '{obj.Label}' is not closed and was left out.")
         return
@@ -389,7 +389,7 @@ def middle_and_area(ring: List[Point]) -> Tuple[Point, float]:
 
 def _slice(obj) -> List[List[Point]]:
     """Outlines of an object at eye height, or at half its own if it is lower."""
-    shape = _shape(obj)
+    shape = shape_of(obj)
     z = shape.BoundBox.ZMin + min(EYE_MM, shape.BoundBox.ZLength / 2)
     return [_ring(w) for w in shape.slice(Vector(0, 0, 1), z) if w.isClosed()]
 
@@ -425,7 +425,7 @@ def _as_rings(out: Reading, obj, id: str) -> List[Found]:
     if not rings:
         out.notes.append(f"'{obj.Label}' is not cut at eye height and was left out.")
         return []
-    box = _shape(obj).BoundBox
+    box = shape_of(obj).BoundBox
     axis = [(box.XMin, box.YMin), (box.XMax, box.YMax)]
     return [Found(Wall(id, obj.Label, axis, 0.0, 0.0, name=obj.Name, rings=rings), obj)]
 
@@ -581,17 +581,24 @@ def _add_opening(out: Reading, door, walls: List[Wall], ids: Dict[str, str]) -> 
         out.hosted.setdefault(wall.id, []).append(door)
         return
     _, _, start, end = best
-    foot, low, high = _foot(wall, out), min(p.z for p in points), max(p.z for p in points)
+    foot, low, high = foot_of(wall, out), min(p.z for p in points), max(p.z for p in points)
     if not low - foot < EYE_MM < high - foot:
         out.hosted.setdefault(wall.id, []).append(door)
         if slides:
             out.notes.append(f"'{door.Label}' is not cut at eye height: it does not slide, it only goes with its wall.")
         return
-    is_door = getattr(door, "IfcType", "") == "Door" or low - foot < 100.0
-    opening = Opening(ids[door.Name], door.Label, start, end, "door" if is_door else "window", door.Name)
+    opening = Opening(ids[door.Name], door.Label, start, end, _kind_of_opening(door, low - foot), door.Name)
     opening.clauses = slides
     wall.openings.append(opening)
     out.openings[opening.id] = door
+
+
+def _kind_of_opening(obj, sill: float) -> str:
+    """``passage`` without a leaf, ``door``, or ``window``."""
+    type = getattr(obj, "IfcType", "")
+    if type.startswith("Opening"):
+        return "passage"
+    return "door" if type == "Door" or sill < 100.0 else "window"
 
 
 def _hold_with(out: Reading, wall: Wall, part) -> None:
@@ -615,9 +622,16 @@ def _middle(points: List[Point]) -> Point:
     return ((min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2)
 
 
-def _foot(wall: Wall, out: Reading) -> float:
+def foot_of(wall: Wall, out: Reading) -> float:
+    """Height of the foot of a wall in the document."""
     found = out.found.get(wall.id)
-    return _shape(found.object).BoundBox.ZMin if found else 0.0
+    return shape_of(found.object).BoundBox.ZMin if found else 0.0
+
+
+def span_of(points: List[Point], wall: Wall) -> Tuple[float, float]:
+    """From where to where along a wall a thing lies, mm."""
+    _, _, start, end = _span(points, wall)
+    return start, end
 
 
 def _span(points: List[Point], wall: Wall):

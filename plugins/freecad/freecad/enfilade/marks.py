@@ -130,6 +130,18 @@ def mark(obj, bounds: Dict[str, tuple], group_name: str = "", is_kept: bool = Fa
     obj.EnfiladeKeep = is_kept
 
 
+def copy(of, to) -> None:
+    """Marks an object like another one, of which it is a part now. Inside a transaction."""
+    names = [n for n in of.PropertiesList if n.startswith("Enfilade") and n != "EnfiladeId"]
+    if not names:
+        return
+    _give_id(to, ids(to.Document))
+    for name in names:
+        _add(to, of.getTypeIdOfProperty(name), name, of.getDocumentationOfProperty(name))
+        setattr(to, name, getattr(of, name))
+        to.setEditorMode(name, 1 if name.endswith("Used") else 0)
+
+
 def unmark(obj) -> None:
     """Takes moves, group and keep away, and what a region is for; the id stays. Inside a transaction."""
     for name in list(obj.PropertiesList):

@@ -4,7 +4,7 @@ import os
 
 from .overlay import RAMP
 from .qt import QtCore, QtGui, QtWidgets
-from .wording import count, here, say
+from .wording import count, say, words_of
 
 MEASURES = (
     ("degree", "visibility"),
@@ -230,7 +230,7 @@ class OptionsPage(QtWidgets.QWidget):
             return
         self._shown = row
         option = self._option(row)
-        self.words.setText(here(option.words) if option else say("Present"))
+        self.words.setText(words_of(option) if option else say("Present"))
         self._fill_numbers(option)
         self._panel.preview(option, self._measure(), self.ghosts.isChecked())
 

@@ -20,7 +20,7 @@ from .overlay import BEST, MOVED, Overlay
 from .qt import QtCore, QtWidgets
 from .runner import Runner
 from .study_page import StudyPage
-from .wording import count, note_here, say
+from .wording import accepted, count, note_here, say
 
 NAME = "EnfiladePanel"
 MARK, STUDY, OPTIONS = range(3)
@@ -372,13 +372,11 @@ class Panel(QtWidgets.QDockWidget):
         entry = results.lineage_entry(self.round, option, os.path.basename(self.job.drawing))
         remember = lambda: settings.remember_accepted(doc, entry)  # noqa: E731
         around = accept.changed_around(doc, self.job, option)
-        moved = list(dict.fromkeys(accept.accept(doc, self.job, self.round, option, remember)))
+        moved = [self.job.study.element(c.id).label for c in results.layout(self.job, option)]
+        accept.accept(doc, self.job, self.round, option, remember)
         self.clear_preview()
         self.refresh()
-        names = ", ".join(moved)
-        done = say("Accepted option {}: {} moved. Undo takes all of it back.", option.number, names)
-        if not option.number:
-            done = say("Accepted the best found: {} moved. Undo takes all of it back.", names)
+        done = accepted(option, list(dict.fromkeys(moved)))
         there = say("This was in the document '{}', which is not the one in front.", doc.Label)
         is_in_front = App.ActiveDocument is not None and App.ActiveDocument.Name == doc.Name
         self.tell(" ".join(w for w in (done, "" if is_in_front else there, around) if w))

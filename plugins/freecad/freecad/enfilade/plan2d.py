@@ -88,7 +88,7 @@ def strokes_of(obj) -> List[Stroke]:
         place = outer.multiply(obj.Placement)
         points = [flat(place.multVec(p)) for p in obj.Points]
         return [Stroke("lines", points, bool(obj.Closed) and len(points) > 2)]
-    return [_stroke(e) for e in document._shape(obj).Edges]
+    return [_stroke(e) for e in document.shape_of(obj).Edges]
 
 
 def flat(p: Vector):

@@ -1,10 +1,11 @@
 """What the workbench says, in English and German: English sentences are the keys."""
 
 import re
+from typing import List
 
 import FreeCAD as App
 
-from enfilade_common.results import Note
+from enfilade_common.results import Note, Option
 
 GERMAN = {
     "Enfilade": "Enfilade",
@@ -132,7 +133,15 @@ GERMAN = {
     "Opened as the document '{}': {}.": "Geöffnet als Dokument '{}': {}.",
     "Accept: {}": "Übernehmen: {}",
     "Accepted option {}: {} moved. Undo takes all of it back.": "Variante {} übernommen: {} bewegt. Rückgängig nimmt alles zurück.",
+    "Accepted option {}: {}. Undo takes all of it back.": "Variante {} übernommen: {}. Rückgängig nimmt alles zurück.",
+    "Accepted the best found: {}. Undo takes all of it back.": "Beste gefundene übernommen: {}. Rückgängig nimmt alles zurück.",
+    "{} moved": "{} bewegt",
     "Accepted the best found: {} moved. Undo takes all of it back.": "Beste gefundene übernommen: {} bewegt. Rückgängig nimmt alles zurück.",
+    "Door": "Tür",
+    "Glass": "Glas",
+    "Opening": "Öffnung",
+    "New wall": "Neue Wand",
+    "{} part": "{} Teil",
     "Measure": "Maß",
     "Now": "Jetzt",
     "Change": "Änderung",
@@ -188,6 +197,27 @@ def here(text: str) -> str:
     for pattern, words in HERE:
         text = re.sub(pattern, words, text)
     return text
+
+
+def words_of(option: Option) -> str:
+    """What an option is, in the words of this window: what the program says of it, and every work that it leaves out."""
+    words = here(option.words)
+    said = words.lower()
+    works = [w.said() for w in option.works]
+    return "\n".join([words, *(f"• {w[:1].upper()}{w[1:]}" for w in works if w.lower() not in said)]).strip()
+
+
+def accepted(option: Option, moved: List[str]) -> str:
+    """That an option was accepted: the labels of what moved, the works that were made."""
+    names = ", ".join(moved)
+    if not option.works:
+        if not option.number:
+            return say("Accepted the best found: {} moved. Undo takes all of it back.", names)
+        return say("Accepted option {}: {} moved. Undo takes all of it back.", option.number, names)
+    done = "; ".join([*([say("{} moved", names)] if moved else []), *(w.said() for w in option.works)])
+    if not option.number:
+        return say("Accepted the best found: {}. Undo takes all of it back.", done)
+    return say("Accepted option {}: {}. Undo takes all of it back.", option.number, done)
 
 
 def note_here(note: Note, labels) -> Note:

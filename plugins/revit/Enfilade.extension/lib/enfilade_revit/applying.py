@@ -30,6 +30,7 @@ class Target:
 
 def apply(host, job: Job, option: results.Option) -> List[str]:
     """Moves the model to an option of a job that we wrote; gives the labels of what moved."""
+    _refuse_works(option)
     changes = {c.id: c for c in results.layout(job, option)}
     if not changes:
         raise PluginError("This option leaves everything as it is.")
@@ -50,6 +51,17 @@ def apply(host, job: Job, option: results.Option) -> List[str]:
     _refuse_fixed(walls, columns, targets)
     _carry_out(host, f"Enfilade: option {option.number}", walls, columns, targets)
     return [e.label for e in present if e.id in changes]
+
+
+def _refuse_works(option: results.Option) -> None:
+    """Walls are cut and built by hand here."""
+    if not option.works:
+        return
+    works = "; ".join(w.said() for w in option.works)
+    raise PluginError(
+        f"This option cuts or builds walls ({works}). Enfilade only moves walls in Revit; nothing was changed. "
+        f"Draw the works by hand, or link the new drawing file, which has them: {option.file}."
+    )
 
 
 def _target(found: RevitElement, change: results.Change) -> Target:
@@ -167,6 +179,7 @@ def apply_drawing(host, option: results.Option) -> List[str]:
 
     Every line of an element bears Revit's element id; an element moves where all of them move together.
     """
+    _refuse_works(option)
     lines = _lines_of(option)
     walls, columns = host.walls(), host.columns()
     found = {e.element_id: e for e in [*walls, *columns] if not e.left_out}
