@@ -248,7 +248,9 @@ fn each_program_is_told_in_its_own_words() {
         let by_default = told(&result, "default-moves");
         let says = format!("; {moves} says it better, {keeps} holds");
         assert!(by_default.iter().any(|t| t.contains(&says)), "{by_default:?}");
-        let why = ["few-options", "options-left-out", "no-option"].map(|code| told(&result, code)).concat();
+        let why = ["few-options", "options-left-out", "no-option", "no-move"]
+            .map(|code| told(&result, code))
+            .concat();
         assert!(why.iter().any(|t| t.contains(moves)), "{name}: {why:?}");
         let all = result["problems"].to_string();
         let is_of_layers = all.contains("EF-MOVE") || all.contains("EF-KEEP");

@@ -81,12 +81,13 @@ impl BuildingOption {
     }
 }
 
-/// Whether works are looked for as options: where nobody said what may move, or somebody allowed works.
+/// Whether works are looked for as options: where nobody said what may move, or somebody allowed works. Whoever lets nothing
+/// move but what is marked, and marks nothing, has said nothing of works.
 pub(crate) fn are_wanted(base: &Understood, settings: &Settings) -> bool {
     let is_allowed = !base.plan.markers.allowed.is_empty();
-    let is_unsaid =
-        base.moves.are_default || base.moves.parameters.is_empty() && base.plan.markers.groups.is_empty();
-    !is_bare(settings) && settings.mode == Mode::Diverse && (is_allowed || is_unsaid && !settings.only_marked)
+    let nothing_moves = base.moves.parameters.is_empty() && base.plan.markers.groups.is_empty();
+    let is_unsaid = base.moves.are_default || nothing_moves && settings.moves.is_empty();
+    !is_bare(settings) && settings.mode == Mode::Diverse && (is_allowed || is_unsaid)
 }
 
 /// Works that are made together, with what is known of them on the lattice shown.
