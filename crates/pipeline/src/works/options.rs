@@ -85,9 +85,7 @@ impl BuildingOption {
 /// move but what is marked, and marks nothing, has said nothing of works.
 pub(crate) fn are_wanted(base: &Understood, settings: &Settings) -> bool {
     let is_allowed = !base.plan.markers.allowed.is_empty();
-    let nothing_moves = base.moves.parameters.is_empty() && base.plan.markers.groups.is_empty();
-    let is_unsaid = base.moves.are_default || nothing_moves && settings.moves.is_empty();
-    !is_bare(settings) && settings.mode == Mode::Diverse && (is_allowed || is_unsaid)
+    !is_bare(settings) && settings.mode == Mode::Diverse && (is_allowed || base.moves.are_default)
 }
 
 /// Works that are made together, with what is known of them on the lattice shown.
