@@ -66,7 +66,7 @@ export async function ask(path, body) {
 
 const STATES = { waiting: "waits", running: "being worked on", done: "done", failed: "failed", stopped: "stopped" };
 /** Stages in words; the others are words already. While files are written nothing is counted. */
-const STAGES = { read: "reading", measure: "measuring the present layout", write: "writing the results", "so-far": "writing the best so far" };
+const STAGES = { read: "reading", measure: "measuring the present layout", works: "measuring building works", write: "writing the results", "so-far": "writing the best so far" };
 /** The card of a running job is not made anew more often. */
 const PAUSE_MS = 500;
 const drawings = new Map();

@@ -69,7 +69,9 @@ pub(crate) fn moves(
     if settings.only_marked {
         let text = "nothing is marked to move, and only what is marked may: the present layout is measured";
         report.info("nothing-marked", Place::file(&plan.file), text);
-        return Ok(Moves { are_default: true, ..Moves::default() });
+        let mut none = Moves::default();
+        none.are_default = true;
+        return Ok(none);
     }
     match interior {
         Some(interior) if !settings.ignore_move_markers && settings.reading.as_drawn != Some(true) => {

@@ -124,8 +124,8 @@ pub(crate) fn options(
     if let Some(offer) = offer.filter(|o| !o.options.is_empty()) {
         let mut free = all.split_off(pinned(settings).min(all.len()));
         let room = settings.members.saturating_sub(all.len());
-        // The best layout of the search is an idea of its own, whatever a wall less would bring.
-        let first = (!free.is_empty()).then(|| free.remove(0));
+        // The best layout of the search is an idea of its own, whatever a wall less would bring, if there is room for two.
+        let first = (room > 1 && !free.is_empty()).then(|| free.remove(0));
         free.extend(offer.options.iter().map(Choice::Building));
         let by_gain = |a: &Choice<'_>, b: &Choice<'_>| {
             b.total(&offer.objectives).total_cmp(&a.total(&offer.objectives))
