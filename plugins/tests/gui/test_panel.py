@@ -28,10 +28,11 @@ def test_01_a_door_is_not_marked_where_it_cannot_move(window):
 
 
 def test_02_nothing_marked_nothing_moves(window):
+    """What is built is offered all the same."""
     run_study(window)
     panel = window.ask("panel")
-    assert panel["status"].startswith("Nothing may move: no wall, column, door or window is marked."), panel
-    assert panel["options"] == 0
+    said = "Nothing may move: no wall, column, door or window is marked. The options build."
+    assert panel["status"] == said and panel["options"] > 0, panel
 
 
 def test_03_a_region_loses_its_mark(window):

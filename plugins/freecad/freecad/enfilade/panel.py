@@ -279,10 +279,12 @@ class Panel(QtWidgets.QDockWidget):
         notes.sort(key=lambda n: not n.is_warning)
         self.options.show_round(found, notes)
         self.pages.setCurrentIndex(OPTIONS)
+        still = "; ".join(why_nothing_moves(made.study))
         if not found.options:
-            still = "; ".join(why_nothing_moves(made.study))
             none = say("No better layout was found within what may move.")
             done = say("Nothing may move: {}. The present layout was measured.", still) if still else none
+        elif still and all(option.works for option in found.options):
+            done = say("Nothing may move: {}. The options build.", still)
         elif found.is_so_far:
             done = count(len(found.options), "Stopped. Best so far: {} option.", "Stopped. Best so far: {} options.")
         else:

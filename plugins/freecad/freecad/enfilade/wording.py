@@ -75,6 +75,7 @@ GERMAN = {
     "Accept": "Übernehmen",
     "Open report": "Bericht öffnen",
     "Import as document": "Als Dokument importieren",
+    "Nothing may move: {}. The options build.": "Nichts darf sich bewegen: {}. Die Varianten bauen um.",
     "Nothing may move: {}. The present layout was measured.": "Nichts darf sich bewegen: {}. Der Bestand wurde gemessen.",
     "No better layout was found within what may move.": "Im Rahmen des Erlaubten wurde kein besserer Grundriss gefunden.",
     "This was in the document '{}', which is not the one in front.": "Das war im Dokument '{}', das nicht das vordere ist.",
