@@ -209,6 +209,7 @@ impl WorksResult {
             "last-door" => "the room would lose its last door".into(),
             "kept" => "a mark keeps the wall".into(),
             "not-marked" => "no mark allows it".into(),
+            "blocked" => "something that stays stands before it".into(),
             other => other.to_owned(),
         };
         let mut all: Vec<String> = Vec::new();

@@ -15,6 +15,7 @@
 //! assert_eq!(left, [(0, 4_000_000), (6_000_000, 10_000_000)]);
 //! ```
 
+mod blocked;
 pub mod change;
 pub mod counts;
 pub mod list;

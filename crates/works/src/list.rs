@@ -9,6 +9,7 @@ use enfilade_brief::WorkKind;
 use enfilade_plan::axes::AxisGraph;
 use rayon::prelude::*;
 
+use crate::blocked::{blocked_m, free_run_m};
 use crate::change::Change;
 use crate::counts::{Counts, Present, STEP_M, Shows, Through, counts};
 use crate::marks::{Word, widths_m, word};
@@ -222,14 +223,19 @@ impl Finder<'_> {
         let width = run.width_m / self.scale();
         let (is_door, is_glass) = ((width - DOOR_M).abs() < 1e-6, width >= GLASS_M - 1e-6);
         let kinds = [(WorkKind::Open, true), (WorkKind::Door, is_door), (WorkKind::Glaze, is_glass)];
+        let blocked = blocked_m(self.site.present.plan, run.wall);
         for kind in kinds.into_iter().filter(|(_, is_tried)| *is_tried).map(|(kind, _)| kind) {
-            let mut alike: BTreeMap<(Word, Pair), Vec<usize>> = BTreeMap::new();
+            let mut alike: BTreeMap<(Word, bool, Pair), Vec<usize>> = BTreeMap::new();
             for (k, pair) in &pairs {
                 let ends = run.stretch(*k).map(|t| run.wall.point(t, 0.0));
-                alike.entry((self.word(kind, run.width_m, ends, &[id]), *pair)).or_default().push(*k);
+                let is_blocked = kind != WorkKind::Glaze && self.is_blocked(&blocked, run.stretch(*k));
+                let word = self.word(kind, run.width_m, ends, &[id]);
+                alike.entry((word, is_blocked, *pair)).or_default().push(*k);
             }
-            for ((word, pair), ks) in alike {
-                let rules = word.rules(self.rules(&[id], pair));
+            for ((word, is_blocked, pair), ks) in alike {
+                let by_default =
+                    self.rules(&[id], pair).into_iter().chain(is_blocked.then_some(Rule::Blocked));
+                let rules = word.rules(by_default.collect());
                 // A place counts once, whatever is made there.
                 if kind == WorkKind::Open {
                     let is_legal =
@@ -248,6 +254,12 @@ impl Finder<'_> {
                 out.works.push(work);
             }
         }
+    }
+
+    /// Whether nobody could go through a stretch for what stands before it.
+    fn is_blocked(&self, blocked: &[[f64; 2]], stretch: [f64; 2]) -> bool {
+        let wanted = (stretch[1] - stretch[0]).min(DOOR_M * self.scale());
+        free_run_m(blocked, stretch) < wanted - 1e-6
     }
 
     fn opening(

@@ -36,6 +36,8 @@ pub enum Rule {
     Unmarked,
     /// It would take a room's last door.
     LastDoor(RoomId),
+    /// Something that cannot stand elsewhere stands before it.
+    Blocked,
 }
 
 impl Rule {
@@ -54,6 +56,7 @@ impl Rule {
             Self::Kept => "kept",
             Self::Unmarked => "not-marked",
             Self::LastDoor(_) => "last-door",
+            Self::Blocked => "blocked",
         }
     }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use enfilade_brief::WorkKind;
 
 use super::{Finder, Pair, Run, WIDTHS_M, Work, Works, best, same};
+use crate::blocked::blocked_m;
 use crate::change::Change;
 use crate::counts::{STEP_M, Shows, counts};
 use crate::marks::Word;
@@ -176,6 +177,7 @@ impl Finder<'_> {
             return;
         }
         let through = self.site.present.through(line, limits);
+        let blocked = blocked_m(plan, line);
         for width_m in self.widths_m().into_iter().filter(|w| *w > to - from + 0.15 * scale) {
             let step_m = STEP_M * scale;
             let least = (to - width_m).max(limits[0]);
@@ -193,19 +195,24 @@ impl Finder<'_> {
                 let ends = stretch_of(k).map(|t| line.point(t, 0.0));
                 self.word(WorkKind::Widen, width_m, ends, &chain.walls)
             };
-            let words: Vec<Word> = (0..places).map(word).collect();
+            let words: Vec<(Word, bool)> =
+                (0..places).map(|k| (word(k), self.is_blocked(&blocked, stretch_of(k)))).collect();
+            let rules = |(word, is_blocked): (Word, bool)| {
+                word.rules(by_default.iter().copied().chain(is_blocked.then_some(Rule::Blocked)).collect())
+            };
             let is_legal = |k: &usize| {
-                let is_seen = words[*k] != Word::Granted && found.openly[*k] > 0;
-                words[*k].rules(by_default.clone()).is_empty() && !is_seen
+                let is_seen = words[*k].0 != Word::Granted && found.openly[*k] > 0;
+                rules(words[*k]).is_empty() && !is_seen
             };
             out.tried += places;
             out.legal += (0..places).filter(is_legal).count();
             // What a mark allows stands before what none does.
-            let Some(word) = words.iter().min().copied() else { continue };
-            let ks: Vec<usize> = (0..places).filter(|k| words[*k] == word).collect();
+            let Some(chosen) = words.iter().min().copied() else { continue };
+            let (ks, word): (Vec<usize>, Word) =
+                ((0..places).filter(|k| words[*k] == chosen).collect(), chosen.0);
             let Some((k, shows)) = best(&found, &ks) else { continue };
             let stretch = stretch_of(k);
-            let mut forbidden_by = word.rules(by_default);
+            let mut forbidden_by = rules(chosen);
             if shows == Shows::Openly
                 && word != Word::Granted
                 && !forbidden_by.iter().any(|r| matches!(r, Rule::Private(_)))
@@ -279,9 +286,12 @@ impl Finder<'_> {
             let places = ((hi - lo - width_m) / step_m + 1e-6).floor() as usize + 1;
             let all = counts(&through, lo, step_m, places, width_m);
             let run = Run { wall, from_m: lo, step_m, width_m };
-            let ks: Vec<usize> = (0..places)
-                .filter(|k| self.pair(wall, run.stretch(*k)).is_some_and(|p| same(p, pair)))
-                .collect();
+            let blocked = blocked_m(plan, wall);
+            let is_place = |k: &usize| {
+                let stretch = run.stretch(*k);
+                !self.is_blocked(&blocked, stretch) && self.pair(wall, stretch).is_some_and(|p| same(p, pair))
+            };
+            let ks: Vec<usize> = (0..places).filter(is_place).collect();
             out.tried += ks.len();
             let Some(k) = ks.into_iter().max_by_key(|k| (all.gained[*k], usize::MAX - k)) else { continue };
             let stretch = run.stretch(k);
