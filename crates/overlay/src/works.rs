@@ -256,6 +256,7 @@ impl WorksResult {
     /// `Of 212 legal places, none brings more.`
     pub fn proof(&self) -> String {
         match self.best.single {
+            Some(_) if self.best.legal == 0 => format!("{} places were tried.", self.best.tried),
             Some(_) => {
                 format!("Of {} legal places of {} tried, none brings more.", self.best.legal, self.best.tried)
             }

@@ -154,7 +154,8 @@ fn offered(
     let is_wanted = !round.is_asked() && works::options::are_wanted(&study.base, job.settings);
     let options =
         if is_wanted { works::options::options(job, judges, &listed, report, cancel)? } else { Vec::new() };
-    Ok(Offer { listed, options: options.into_iter().map(Arc::new).collect(), objectives: told })
+    let objectives = works::options::lowered(told, &options, job.settings);
+    Ok(Offer { listed, options: options.into_iter().map(Arc::new).collect(), objectives })
 }
 
 /// What a round finds: a search, and what is confirmed of it. The best so far is handed out as often as the settings say.

@@ -38,7 +38,7 @@ use enfilade_plan::Plan;
 use enfilade_plan::axes::OpeningKind;
 use enfilade_plan::floor::Beside;
 use enfilade_report::{Cancel, Error, OutFile, Place, Report};
-use enfilade_works::counts::{Present, degrees, difference};
+use enfilade_works::counts::{Present, STEP_M, degrees, difference};
 use enfilade_works::rooms::rooms_of;
 use enfilade_works::walls::{Wall, walls};
 use enfilade_works::{Change, Room, RoomId, Site, Work, WorkKind, Works, works};
@@ -116,7 +116,7 @@ pub(crate) struct Floor {
     known: Vec<KnownRoom>,
     rooms: Vec<Room>,
     walls: Vec<Wall>,
-    is_kept: Vec<bool>,
+    kept_m: Vec<Vec<[f64; 2]>>,
     obstacles: Obstacles,
     graph: Graph,
     room_of: Vec<Option<RoomId>>,
@@ -134,7 +134,7 @@ impl Floor {
         let walls = walls(&base.plan, &base.axes);
         let obstacles = study.initial_obstacles();
         Ok(Self {
-            is_kept: walls.iter().map(|w| is_kept(&base.plan, w)).collect(),
+            kept_m: walls.iter().map(|w| kept_m(&base.plan, w)).collect(),
             graph: visibility_graph(lattice, &obstacles),
             room_of: rooms_of(lattice, &rooms),
             is_query: is_query(lattice),
@@ -158,7 +158,7 @@ impl Floor {
             is_query: &self.is_query,
             shut: &self.shut,
         };
-        Site { present, axes: &study.base.axes, walls: &self.walls, is_kept: &self.is_kept }
+        Site { present, axes: &study.base.axes, walls: &self.walls, kept_m: &self.kept_m }
     }
 
     /// All works, measured.
@@ -253,10 +253,17 @@ fn room_entries(rooms: &[Room]) -> Vec<RoomEntry> {
     rooms.iter().enumerate().map(entry).collect()
 }
 
-/// Whether a mark keeps a wall: its middle lies in one.
-fn is_kept(plan: &Plan, wall: &Wall) -> bool {
-    let middle = plan.frame.um_from_plan(wall.point(wall.length_m / 2.0, 0.0));
-    plan.markers.keep.iter().any(|r| r.contains(middle))
+/// Stretches of a wall that a mark keeps, metres along it: round the places on its axis that lie in one.
+fn kept_m(plan: &Plan, wall: &Wall) -> Vec<[f64; 2]> {
+    let step_m = STEP_M / 2.0 * plan.human_scale;
+    let count = (wall.length_m / step_m).ceil().max(1.0);
+    let is_kept = |at_m: f64| {
+        let p = plan.frame.um_from_plan(wall.point(at_m, 0.0));
+        plan.markers.keep.iter().any(|r| r.contains(p))
+    };
+    let at = |i: usize| wall.length_m * i as f64 / count;
+    let kept = (0..=count as usize).map(at).filter(|m| !plan.markers.keep.is_empty() && is_kept(*m));
+    kept.map(|m| [m - step_m, m + step_m]).collect()
 }
 
 fn is_query(lattice: &Lattice) -> Vec<bool> {

@@ -77,8 +77,8 @@ pub struct Site<'a> {
     pub axes: &'a AxisGraph,
     /// Its straight walls.
     pub walls: &'a [Wall],
-    /// Whether a mark keeps each wall.
-    pub is_kept: &'a [bool],
+    /// Stretches of each wall that a mark keeps, metres along it.
+    pub kept_m: &'a [Vec<[f64; 2]>],
 }
 
 /// Finds and counts them all. `is_stopped` is asked between walls; what is found by then is returned.
@@ -160,9 +160,17 @@ impl Finder<'_> {
         word(self.site.present.plan, kind, size_m, stretch, &walls)
     }
 
+    /// What forbids to change whole walls.
     fn rules(&self, walls: &[WallId], pair: Pair) -> Vec<Rule> {
+        self.rules_at(walls, pair, None)
+    }
+
+    /// The same of a stretch of them, metres along the first: marks keep what they enclose.
+    fn rules_at(&self, walls: &[WallId], pair: Pair, stretch: Option<[f64; 2]>) -> Vec<Rule> {
+        let meets = |[from, to]: [f64; 2]| stretch.is_none_or(|[a, b]| from < b && a < to);
         let of = |w: &WallId| {
-            between(&self.site.walls[w.0], &self.thickness, self.site.is_kept[w.0], self.rooms(), pair)
+            let is_kept = self.site.kept_m[w.0].iter().any(|k| meets(*k));
+            between(&self.site.walls[w.0], &self.thickness, is_kept, self.rooms(), pair)
         };
         let mut all: Vec<Rule> = walls.iter().flat_map(of).collect();
         all.sort_unstable();
@@ -225,16 +233,18 @@ impl Finder<'_> {
         let kinds = [(WorkKind::Open, true), (WorkKind::Door, is_door), (WorkKind::Glaze, is_glass)];
         let blocked = blocked_m(self.site.present.plan, run.wall);
         for kind in kinds.into_iter().filter(|(_, is_tried)| *is_tried).map(|(kind, _)| kind) {
-            let mut alike: BTreeMap<(Word, bool, Pair), Vec<usize>> = BTreeMap::new();
+            let mut alike: BTreeMap<(Word, [bool; 2], Pair), Vec<usize>> = BTreeMap::new();
             for (k, pair) in &pairs {
                 let ends = run.stretch(*k).map(|t| run.wall.point(t, 0.0));
                 let is_blocked = kind != WorkKind::Glaze && self.is_blocked(&blocked, run.stretch(*k));
                 let word = self.word(kind, run.width_m, ends, &[id]);
-                alike.entry((word, is_blocked, *pair)).or_default().push(*k);
+                let is_kept = self.rules_at(&[id], *pair, Some(run.stretch(*k))).contains(&Rule::Kept);
+                alike.entry((word, [is_kept, is_blocked], *pair)).or_default().push(*k);
             }
-            for ((word, is_blocked, pair), ks) in alike {
-                let by_default =
-                    self.rules(&[id], pair).into_iter().chain(is_blocked.then_some(Rule::Blocked));
+            for ((word, [_, is_blocked], pair), ks) in alike {
+                let here = ks.first().map(|k| run.stretch(*k));
+                let by_default = self.rules_at(&[id], pair, here).into_iter();
+                let by_default = by_default.chain(is_blocked.then_some(Rule::Blocked));
                 let rules = word.rules(by_default.collect());
                 // A place counts once, whatever is made there.
                 if kind == WorkKind::Open {

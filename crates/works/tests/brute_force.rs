@@ -143,8 +143,8 @@ fn found_where(rooms: &[Room], mark: Option<&str>) -> Works {
         shut: &[],
     };
     let walls = walls(&plan, &axes);
-    let is_kept = vec![false; walls.len()];
-    let site = Site { present, axes: &axes, walls: &walls, is_kept: &is_kept };
+    let kept_m = vec![Vec::new(); walls.len()];
+    let site = Site { present, axes: &axes, walls: &walls, kept_m: &kept_m };
     let all = works(&site, &|| false);
     let now = degrees(&lattice, segments.clone()) as i64;
     for work in &all.works {

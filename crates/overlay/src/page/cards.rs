@@ -108,7 +108,9 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
     measures(html, input, None);
     html.raw("</article>\n");
     if let Some(best) = &result.best {
-        open_card(html, "best", "Best layout found", &tabs, &input.best);
+        let builds = result.candidates.iter().any(|c| !c.works.is_empty());
+        let name = if builds { "Best layout that only moves" } else { "Best layout found" };
+        open_card(html, "best", name, &tabs, &input.best);
         details(html, &prose(&best.words));
         measures(html, input, Some((&best.mean, &best.gain)));
         html.open("p", &[("class", "note")]);

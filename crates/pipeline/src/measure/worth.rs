@@ -33,6 +33,14 @@ pub struct Worth {
 }
 
 impl Worth {
+    /// Takes in that works made the walls longer or shorter, metres.
+    pub(crate) fn built(&mut self, more_m: f64) {
+        self.wall_total_m += more_m;
+        if let Some(i) = Penalty::ALL.iter().position(|p| *p == Penalty::WallLength) {
+            self.penalties[i] = more_m.abs();
+        }
+    }
+
     /// One penalty g_j.
     pub fn penalty(&self, penalty: Penalty) -> f64 {
         self.penalties[Penalty::ALL.iter().position(|p| *p == penalty).unwrap_or(0)]

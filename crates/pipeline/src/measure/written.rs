@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::measure::look::{Look, SeenOn};
-use crate::measure::parts::{blind, cover_bodies, cover_wide, pieces_of};
+use crate::measure::parts::{blind, cover_bodies, cover_wide, pieces_of, stopping};
 use crate::measure::seen::{Scene, Seen};
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
@@ -15,7 +15,7 @@ use enfilade_cad::drawing::Shape;
 use enfilade_config::Settings;
 use enfilade_engine::Obstacles;
 use enfilade_engine::forest::{Initial, tally};
-use enfilade_engine::geometry::{PointUm, Segment};
+use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
 use enfilade_engine::lattice::CellIndex;
 use enfilade_engine::visibility::visibility_graph;
 use enfilade_moves::{Layout, MovedWall};
@@ -68,7 +68,13 @@ impl Study {
         let base = &self.base;
         let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
         let seen = self.seen_through(segments, &|scene| blind(base, &identity, &scene.cells, segments));
-        self.worth(seen, &self.pieces, &identity)
+        let mut worth = self.worth(seen, &self.pieces, &identity);
+        let length_m = |of: &[Segment]| -> f64 {
+            let one = |s: &Segment| ((s.b[0] - s.a[0]) as f64).hypot((s.b[1] - s.a[1]) as f64);
+            of.iter().map(one).sum::<f64>() / UM_PER_M
+        };
+        worth.built(length_m(segments) - length_m(&stopping(base, &identity)));
+        worth
     }
 
     /// What is seen where these lines stop sight and those vertices are covered.

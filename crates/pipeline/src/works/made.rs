@@ -56,6 +56,18 @@ pub fn make_works(
         })
     });
     let works = works.collect::<Result<Vec<_>, _>>()?;
+    for (i, (id, work)) in works.iter().enumerate() {
+        if let Some((other, _)) = works[..i].iter().find(|(_, o)| overlap(o, work)) {
+            let text =
+                format!("works {other} and {id} change the same stretch of a wall; nothing was written");
+            return Err(Error::usage("work", Place::default(), text));
+        }
+        if !work.forbidden_by.is_empty() {
+            let rules: Vec<&str> = work.forbidden_by.iter().map(|r| r.code()).collect();
+            let text = format!("Work {id} is made, though it would not be offered: {}.", rules.join(", "));
+            report.warn("work-forbidden", Place::file(input.file()), text);
+        }
+    }
     let made = Together::make(Job { input, settings }, (&study, &floor), &works)?;
     report.extend(made.report.clone());
     // Over the cells of the layout before.
@@ -75,6 +87,14 @@ pub fn make_works(
         report.warn("work-differs", Place::file(input.file()), text);
     }
     Ok(MadeWorks { bytes: made.bytes, tables: made.written.tables, expected, gain, report })
+}
+
+/// Whether two works change the same stretch of one wall.
+fn overlap(a: &Work, b: &Work) -> bool {
+    let [p, q] = a.stretch;
+    let along = (q - p).normalize_or_zero();
+    let [s, e] = b.stretch.map(|x| (x - p).dot(along));
+    a.walls.iter().any(|w| b.walls.contains(w)) && s.min(e) < p.distance(q) && s.max(e) > 0.0
 }
 
 /// Works made in one drawing, which was read again.

@@ -9,7 +9,7 @@ use crate::job::Job;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
 use crate::search::brief::{Aims, is_bare};
-use crate::search::judged::{evaluation, gained};
+use crate::search::judged::{evaluation, gained, is_firm};
 use crate::understand::understood::Understood;
 use enfilade_cad::drawing::{Addition, Edit, Filling};
 use enfilade_config::{Mode, Settings};
@@ -68,16 +68,21 @@ const SHOWS_PRIVATE: &str = "It shows more of a private room while that room's d
 impl BuildingOption {
     /// `An opening of 1.8 m between kitchen and living room; visibility +9 % (8 to 10 %). 1.8 m of wall goes.`
     pub(crate) fn words(&self, gains: &str) -> String {
-        let lines = self.note_lines(gains);
-        let private = if self.shows_private { SHOWS_PRIVATE } else { "" };
-        let sentences = [lines.join("; "), self.effort.words(), private.to_owned()];
-        let sentences = sentences.into_iter().filter(|s| !s.is_empty()).map(|s| s + ".");
-        sentences.collect::<Vec<_>>().join(" ")
+        let first = [self.title.as_str(), gains].into_iter().filter(|l| !l.is_empty());
+        let first = first.collect::<Vec<_>>().join("; ");
+        std::iter::once(first).chain(self.costs()).map(|s| s + ".").collect::<Vec<_>>().join(" ")
     }
 
     /// The same in lines for the note in the drawing.
     pub(crate) fn note_lines(&self, gains: &str) -> Vec<String> {
-        [self.title.as_str(), gains].into_iter().filter(|l| !l.is_empty()).map(str::to_owned).collect()
+        let first = [self.title.as_str(), gains].into_iter().filter(|l| !l.is_empty()).map(str::to_owned);
+        first.chain(self.costs()).collect()
+    }
+
+    /// What it costs.
+    fn costs(&self) -> impl Iterator<Item = String> {
+        let private = if self.shows_private { SHOWS_PRIVATE } else { "" };
+        [self.effort.words(), private.to_owned()].into_iter().filter(|s| !s.is_empty())
     }
 }
 
@@ -85,7 +90,7 @@ impl BuildingOption {
 /// move but what is marked, and marks nothing, has said nothing of works.
 pub(crate) fn are_wanted(base: &Understood, settings: &Settings) -> bool {
     let is_allowed = !base.plan.markers.allowed.is_empty();
-    !is_bare(settings) && settings.mode == Mode::Diverse && (is_allowed || base.moves.are_default)
+    !is_bare(settings) && (is_allowed || base.moves.are_default)
 }
 
 /// Works that are made together, with what is known of them on the lattice shown.
@@ -95,6 +100,8 @@ struct Set {
     works: Vec<usize>,
     lines: Vec<Segment>,
     gain: f64,
+    /// Whether it keeps the limits.
+    is_legal: bool,
     experience: Experience,
 }
 
@@ -131,7 +138,7 @@ pub(crate) fn options(
 ) -> Result<Vec<BuildingOption>, Error> {
     let Judges { study, objectives, .. } = judges;
     let builder = Builder { job, judges, listed };
-    let wanted = job.settings.members;
+    let wanted = wanted(job.settings);
     let sets = unlike(builder.sets(cancel)?, wanted + RESERVES);
     cancel.check()?;
     let gains = confirmed::gains_of(study, job.settings, objectives, sets.len(), &|on| {
@@ -150,7 +157,7 @@ pub(crate) fn options(
         );
         report.info("works-withheld", Place::file(job.input.file()), text);
     }
-    let mut out: Vec<BuildingOption> = made.into_iter().flatten().collect();
+    let mut out: Vec<BuildingOption> = made.into_iter().flatten().filter(|o| o.is_within).collect();
     out.sort_by(|a, b| {
         confirmed::total(objectives, &b.gains).total_cmp(&confirmed::total(objectives, &a.gains))
     });
@@ -158,17 +165,40 @@ pub(crate) fn options(
     Ok(out)
 }
 
-/// The sets that differ from those before. Of those of several works one: the next would share its best works.
+/// Options that are wanted.
+pub(crate) fn wanted(settings: &Settings) -> usize {
+    if settings.mode == Mode::Best { 1 } else { settings.members }
+}
+
+/// The sets that keep the limits and differ from those before. One of several works is an idea of its own, however alike
+/// what is seen: it costs more and brings more. A second one would share its best works.
 fn unlike(sets: Vec<Set>, most: usize) -> Vec<Set> {
     let mut out: Vec<Set> = Vec::new();
-    for set in sets {
-        let is_second = set.works.len() > 1 && out.iter().any(|o| o.works.len() > 1);
-        let is_alike = |o: &Set| o.experience.likeness(&set.experience) > SAME_MAPS;
-        if out.len() < most && !is_second && !out.iter().any(is_alike) {
+    for set in sets.into_iter().filter(|s| s.is_legal) {
+        let is_several = set.works.len() > 1;
+        let is_alike = |o: &Set| match is_several || o.works.len() > 1 {
+            true => is_several && o.works.len() > 1,
+            false => o.experience.likeness(&set.experience) > SAME_MAPS,
+        };
+        if out.len() < most && !out.iter().any(is_alike) {
             out.push(set);
         }
     }
     out
+}
+
+/// Objectives with limits that options which build keep too, where thresholds yield.
+pub(crate) fn lowered(
+    mut objectives: Vec<Objective>,
+    options: &[BuildingOption],
+    settings: &Settings,
+) -> Vec<Objective> {
+    for (i, o) in objectives.iter_mut().enumerate().filter(|_| !is_firm(settings)) {
+        let Some(limit) = o.limit else { continue };
+        let values = options.iter().map(|b| b.values[i]);
+        o.limit = Some(values.fold(limit, |a, v| if o.sense == Sense::Max { a.min(v) } else { a.max(v) }));
+    }
+    objectives
 }
 
 /// Whether a value keeps the limit of an objective.
@@ -203,7 +233,7 @@ impl Builder<'_> {
             sets.splice(0..0, triples);
         }
         // The room that one more set takes is the last single's.
-        let free = self.job.settings.members.saturating_sub(1).min(singles.len());
+        let free = wanted(self.job.settings).saturating_sub(1).min(singles.len());
         let mut out = singles;
         out.splice(free..free, sets);
         Ok(out)
@@ -229,21 +259,20 @@ impl Builder<'_> {
         a.walls.iter().all(|w| !b.walls.contains(w)) && sorted(a.rooms) != sorted(b.rooms)
     }
 
-    /// Sets with what they gain, those that gain first; none that breaks a limit.
+    /// Sets with what they gain, those that gain most first.
     fn measured(&self, sets: Vec<Vec<usize>>) -> Vec<Set> {
         let Self { job: Job { settings, .. }, judges: Judges { study, objectives, .. }, .. } = *self;
         let one = |works: Vec<usize>| {
             let drawn = self.floor().obstacles.segments.clone();
             let lines = works.iter().fold(drawn, |lines, w| self.work(*w).change.apply(&lines));
             let worth = study.measure_walls(&lines);
-            if evaluation(study, settings, objectives, &worth).violation > 0.0 {
-                return None;
-            }
+            // A pair may keep a limit that neither of the two keeps alone.
+            let is_legal = evaluation(study, settings, objectives, &worth).violation == 0.0;
             let gain = gained(study, settings, objectives, &worth);
-            Some(Set { works, lines, gain, experience: Experience::of(study, &worth) })
+            Set { works, lines, gain, is_legal, experience: Experience::of(study, &worth) }
         };
-        let found: Vec<Option<Set>> = sets.into_par_iter().map(one).collect();
-        let mut out: Vec<Set> = found.into_iter().flatten().filter(|s| s.gain > 0.0).collect();
+        let found: Vec<Set> = sets.into_par_iter().map(one).collect();
+        let mut out: Vec<Set> = found.into_iter().filter(|s| s.gain > 0.0).collect();
         // What shows more of a private room, if only through its open door, comes last.
         let shows = |s: &Set| s.works.iter().any(|w| self.work(*w).shows_through_doors);
         out.sort_by(|a, b| shows(a).cmp(&shows(b)).then_with(|| b.gain.total_cmp(&a.gain)));
@@ -271,7 +300,8 @@ impl Builder<'_> {
             title: titles(&told_works),
             works: told_works,
             effort: entries.iter().fold(none, |all, e| all.and(&e.effort)),
-            is_within: told.iter().zip(&values).all(|(o, v)| keeps(o, *v)),
+            // Thresholds that yield are lowered to what options keep.
+            is_within: !is_firm(job.settings) || told.iter().zip(&values).all(|(o, v)| keeps(o, *v)),
             values,
             gains,
             worth,

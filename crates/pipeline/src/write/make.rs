@@ -13,7 +13,7 @@ use crate::search::judged::pinned;
 use crate::understand::edits::{edits_of, tied};
 use crate::understand::understood::Understood;
 use crate::works::Offer;
-use crate::works::options::BuildingOption;
+use crate::works::options::{BuildingOption, wanted};
 use crate::write::made::Made;
 use crate::write::{along, bounded};
 use enfilade_cad::drawing::{Edit, place_in};
@@ -123,7 +123,7 @@ pub(crate) fn options(
     let mut all: Vec<Choice<'_>> = layouts.collect();
     if let Some(offer) = offer.filter(|o| !o.options.is_empty()) {
         let mut free = all.split_off(pinned(settings).min(all.len()));
-        let room = settings.members.saturating_sub(all.len());
+        let room = wanted(settings).saturating_sub(all.len());
         // The best layout of the search is an idea of its own, whatever a wall less would bring, if there is room for two.
         let first = (room > 1 && !free.is_empty()).then(|| free.remove(0));
         free.extend(offer.options.iter().map(Choice::Building));

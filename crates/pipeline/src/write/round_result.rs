@@ -60,7 +60,7 @@ pub(crate) fn round_result(
         lattice_centre: crate::write::show::lattice_centre(study),
         initial,
         moves,
-        objectives: found.map_or_else(|| of_works(offer), |f| f.objectives.clone()),
+        objectives: of_works(offer).unwrap_or_else(|| found.map_or(Vec::new(), |f| f.objectives.clone())),
         candidates,
         best,
         diversity: Diversity { likeness: likeness(study, made), ..distances(study, made) },
@@ -82,9 +82,9 @@ fn same_as(best: &Made, options: &[Made]) -> Option<usize> {
     by_parameters.or_else(|| at(&|m| m.member.values == best.member.values)).map(|i| i + 1)
 }
 
-/// What is asked for where nothing was searched and works are options.
-fn of_works(offer: Option<&Offer>) -> Vec<Objective> {
-    offer.filter(|o| !o.options.is_empty()).map_or(Vec::new(), |o| o.objectives.clone())
+/// What is asked for where works are options.
+fn of_works(offer: Option<&Offer>) -> Option<Vec<Objective>> {
+    offer.filter(|o| !o.options.is_empty()).map(|o| o.objectives.clone())
 }
 
 pub(crate) fn candidate(

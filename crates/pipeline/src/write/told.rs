@@ -132,7 +132,7 @@ pub(crate) fn say_options(
         let text = why.clone() + &limits_words(study, settings, found);
         match built {
             0 => report.warn("no-option", place(), text),
-            _ => report.info("no-move", place(), text),
+            _ => report.info("no-move", place(), format!("Moves alone: {text}")),
         }
         return;
     }
