@@ -5,8 +5,9 @@ use std::time::Instant;
 use enfilade_config::{Beside, Partial, Settings};
 use enfilade_fixtures::sample;
 use enfilade_overlay::result::{Candidate, RoundResult};
-use enfilade_overlay::works::WorksResult;
+use enfilade_overlay::works::{WorkEntry, WorksResult};
 use enfilade_pipeline::accept::{Accepted, Origin, accept};
+use enfilade_pipeline::works::works_of;
 use enfilade_pipeline::{Input, Outcome, analyse, run};
 use enfilade_report::Cancel;
 
@@ -131,4 +132,53 @@ fn options_that_build_are_the_same_on_any_number_of_threads() {
         round.unwrap().result.candidates
     };
     assert_eq!(on(1), on(3));
+}
+
+/// A mark that keeps a part of a wall keeps openings off that part, and leaves the rest.
+#[test]
+fn what_is_kept_of_a_wall_is_not_opened() {
+    let bytes = std::fs::read(sample("flat.dxf")).unwrap();
+    let listed = |more: &str| {
+        let settings = Settings::new(Partial::from_toml("", more).unwrap()).unwrap();
+        works_of(&Input::new("flat.dxf", &bytes, 1), &settings, &Cancel::default()).unwrap().0.result
+    };
+    let kept =
+        "[[region]]\nkind = \"keep\"\npoints = [[9100, 2400], [9450, 2400], [9450, 2900], [9100, 2900]]\n";
+    let at_the_box = |w: &&WorkEntry| {
+        let [a, b] = w.stretch;
+        let is_on_the_wall = (a[0] - 9.29).abs() < 0.05 && (b[0] - 9.29).abs() < 0.05;
+        is_on_the_wall && a[1].min(b[1]) < 2.9 && a[1].max(b[1]) > 2.4
+    };
+    let free = listed("");
+    assert!(free.works.iter().filter(at_the_box).any(|w| w.is_allowed));
+    let held = listed(kept);
+    let held_there: Vec<&WorkEntry> = held.works.iter().filter(at_the_box).collect();
+    assert!(held_there.iter().all(|w| !w.is_allowed), "{held_there:?}");
+    assert!(held_there.iter().any(|w| w.forbidden_by.contains(&"kept".to_owned())));
+    // Beside the box the same wall is opened.
+    let is_beside =
+        |w: &&WorkEntry| (w.stretch[0][0] - 9.29).abs() < 0.05 && w.is_allowed && w.kind == "open";
+    assert!(held.works.iter().any(|w| is_beside(&w)));
+}
+
+/// Who holds the length of walls is offered nothing that changes it.
+#[test]
+fn works_are_held_to_the_length_of_walls() {
+    let bytes = std::fs::read(sample("flat.dxf")).unwrap();
+    let Outcome { result, .. } = round("flat.dxf", &bytes, "limit = \"wall-length -0.1%\"\n");
+    assert!(building(&result).is_empty(), "{:?}", result.candidates);
+    let Outcome { result, .. } = round("flat.dxf", &bytes, "");
+    let cut = building(&result)[0].1;
+    assert!(cut.penalty.get("wall_length_m").is_some_and(|m| m > 1.0), "{:?}", cut.penalty);
+}
+
+/// One option is the best there is, and so is the one of mode best.
+#[test]
+fn the_one_option_is_the_best() {
+    let bytes = std::fs::read(sample("flat.dxf")).unwrap();
+    for more in ["members = 1\n", "mode = \"best\"\n"] {
+        let Outcome { result, .. } = round("flat.dxf", &bytes, more);
+        let [one] = &result.candidates[..] else { panic!("{more}: {:?}", result.candidates) };
+        assert!(one.works.len() > 1 && one.gain["degree"].low > 0.2, "{more}: {}", one.words);
+    }
 }
