@@ -227,7 +227,7 @@ fn unmarked(name: &str, mark: &[u8]) -> Value {
     assert!(!places.is_empty(), "{name} has marks");
     places.into_iter().for_each(|at| bytes[at..at + mark.len()].fill(b'U'));
     std::fs::write(folder.path().join(name), bytes).unwrap();
-    let few = ["--evaluations", "8", "--members", "12", "--spacing", "0.8", "-q"];
+    let few = ["--evaluations", "8", "--members", "30", "--spacing", "0.8", "-q"];
     let mut run = Command::new(env!("CARGO_BIN_EXE_enfilade"));
     let done = run.arg("run").arg(folder.path().join(name)).args(few).output().unwrap();
     let stem = name.split('.').next().unwrap();
