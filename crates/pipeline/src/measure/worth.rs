@@ -33,12 +33,10 @@ pub struct Worth {
 }
 
 impl Worth {
-    /// Takes in that works made the walls longer or shorter, metres.
+    /// Takes in that works made the walls longer or shorter, metres: limits hold it. No penalty counts it, since what works
+    /// cost is told beside them.
     pub(crate) fn built(&mut self, more_m: f64) {
         self.wall_total_m += more_m;
-        if let Some(i) = Penalty::ALL.iter().position(|p| *p == Penalty::WallLength) {
-            self.penalties[i] = more_m.abs();
-        }
     }
 
     /// One penalty g_j.
