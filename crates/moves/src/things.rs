@@ -10,16 +10,13 @@ use enfilade_plan::Plan;
 use enfilade_plan::axes::Opening;
 use enfilade_plan::fittings::{Fitting, reach_m};
 use enfilade_plan::graph::Handle;
-use enfilade_plan::obstacles::ObstacleKind;
+use enfilade_plan::obstacles::{BEFORE_DOOR_M, ObstacleKind};
 
 /// Things nearer to a wall than this stand at it.
 pub(super) const AT_WALL_M: f64 = 0.05;
 
 /// What ends this near to a door's gap is part of the door.
 const AT_DOOR_M: f64 = 0.1;
-
-/// A door does not slide to where a thing stands nearer to its wall than this: a person stops there to open it.
-const BEFORE_DOOR_M: f64 = 0.6;
 
 /// A straight piece, metres of a person.
 pub(super) type Piece = [DVec2; 2];

@@ -353,6 +353,19 @@ pub struct Objective {
     pub free: Option<f64>,
 }
 
+impl Objective {
+    /// Whether a value keeps the limit; so does any where there is none.
+    pub fn keeps(&self, value: f64) -> bool {
+        self.limit.is_none_or(|limit| if self.sense == Sense::Max { value >= limit } else { value <= limit })
+    }
+
+    /// The limit that some values keep too; `None` where there is none.
+    pub fn limit_with(&self, values: impl Iterator<Item = f64>) -> Option<f64> {
+        let worse = |a: f64, b: f64| if self.sense == Sense::Max { a.min(b) } else { a.max(b) };
+        self.limit.map(|limit| values.fold(limit, worse))
+    }
+}
+
 /// An earlier round of the same drawing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LineageEntry {

@@ -12,7 +12,8 @@
 //! | `measure` | `Understood` | [`Study`]: lattices, the present layout measured |
 //! | `search` | `Round`: the study and what is asked of it | `Searched` |
 //! | `confirm` | `Searched` | `Found`: options, confirmed and explained |
-//! | `write` | `Round`, `Found` | files, [`Outcome`] |
+//! | [`works`] | `Round`, `Found` | `Offer`: building works, and the options that build |
+//! | `write` | `Round`, `Found`, `Offer` | files, [`Outcome`] |
 //!
 //! ```
 //! use enfilade_config::{Partial, Settings};
@@ -151,7 +152,7 @@ fn offered(
     let aims = objectives(job.settings);
     let told = found.map_or_else(|| as_drawn((trial, job.settings), &aims), |f| f.objectives.clone());
     let judges = works::options::Judges { study, trial, objectives: &aims, told: &told };
-    let is_wanted = !round.is_asked() && works::options::are_wanted(&study.base, job.settings);
+    let is_wanted = !round.is_asked() && works::options::are_wanted(&study.base);
     let options =
         if is_wanted { works::options::options(job, judges, &listed, report, cancel)? } else { Vec::new() };
     let objectives = works::options::lowered(told, &options, job.settings);

@@ -67,6 +67,10 @@ pub const OUTLINE_MAX_M2: f64 = 5.0;
 /// A line that reaches farther than this is no part of a thing, metres.
 pub const LINE_MAX_M: f64 = 5.0;
 
+/// No door stands where a thing is nearer to its wall than this, metres of a person: somebody stops there to open it, or
+/// steps through.
+pub const BEFORE_DOOR_M: f64 = 0.6;
+
 /// Shortest arm of a cross over a lift, metres, and how exactly its arms halve each other and are equal.
 const CROSS_ARM_MIN_M: f64 = 1.0;
 const CROSS_M: f64 = 0.02;

@@ -2,13 +2,10 @@
 
 use enfilade_engine::geometry::Segment;
 use enfilade_plan::Plan;
-use enfilade_plan::obstacles::ObstacleKind;
+use enfilade_plan::obstacles::{BEFORE_DOOR_M, ObstacleKind};
 use glam::DVec2;
 
 use crate::walls::Wall;
-
-/// How far before a wall somebody stands who goes through it, metres of a person: the depth of a body and a step.
-const BEFORE_M: f64 = 0.6;
 
 /// Stretches of a wall before which something fixed stands, on either side, metres along it; ascending and apart.
 pub(crate) fn blocked_m(plan: &Plan, wall: &Wall) -> Vec<[f64; 2]> {
@@ -32,7 +29,7 @@ fn before(plan: &Plan, wall: &Wall, piece: Segment) -> Option<[f64; 2]> {
         let d = plan.frame.plan_from_um(p) - wall.at;
         DVec2::new(d.dot(wall.along), wall.along.perp_dot(d))
     });
-    let reach = wall.thickness_m / 2.0 + BEFORE_M * plan.human_scale;
+    let reach = wall.thickness_m / 2.0 + BEFORE_DOOR_M * plan.human_scale;
     // The share of the piece that lies within reach of the axis.
     let [mut from, mut to] = [0.0f64, 1.0];
     let rise = b.y - a.y;

@@ -160,6 +160,12 @@ impl Finder<'_> {
         word(self.site.present.plan, kind, size_m, stretch, &walls)
     }
 
+    /// Whether a mark keeps any of a wall, or of a stretch of it.
+    fn is_kept(&self, wall: WallId, stretch: Option<[f64; 2]>) -> bool {
+        let meets = |[from, to]: &[f64; 2]| stretch.is_none_or(|[a, b]| *from < b && a < *to);
+        self.site.kept_m[wall.0].iter().any(meets)
+    }
+
     /// What forbids to change whole walls.
     fn rules(&self, walls: &[WallId], pair: Pair) -> Vec<Rule> {
         self.rules_at(walls, pair, None)
@@ -167,9 +173,8 @@ impl Finder<'_> {
 
     /// The same of a stretch of them, metres along the first: marks keep what they enclose.
     fn rules_at(&self, walls: &[WallId], pair: Pair, stretch: Option<[f64; 2]>) -> Vec<Rule> {
-        let meets = |[from, to]: [f64; 2]| stretch.is_none_or(|[a, b]| from < b && a < to);
         let of = |w: &WallId| {
-            let is_kept = self.site.kept_m[w.0].iter().any(|k| meets(*k));
+            let is_kept = self.is_kept(*w, stretch);
             between(&self.site.walls[w.0], &self.thickness, is_kept, self.rooms(), pair)
         };
         let mut all: Vec<Rule> = walls.iter().flat_map(of).collect();
@@ -238,7 +243,7 @@ impl Finder<'_> {
                 let ends = run.stretch(*k).map(|t| run.wall.point(t, 0.0));
                 let is_blocked = kind != WorkKind::Glaze && self.is_blocked(&blocked, run.stretch(*k));
                 let word = self.word(kind, run.width_m, ends, &[id]);
-                let is_kept = self.rules_at(&[id], *pair, Some(run.stretch(*k))).contains(&Rule::Kept);
+                let is_kept = self.is_kept(id, Some(run.stretch(*k)));
                 alike.entry((word, [is_kept, is_blocked], *pair)).or_default().push(*k);
             }
             for ((word, [_, is_blocked], pair), ks) in alike {

@@ -51,8 +51,6 @@ pub(crate) struct Found {
 pub(crate) struct FoundBest {
     pub(crate) member: enfilade_search::Member,
     pub(crate) gains: Gains,
-    /// Which option it is, from 1.
-    pub(crate) option: Option<usize>,
 }
 
 /// What a search found, and `others` that were looked for beside it: options and best layout with all their parameters,
@@ -127,7 +125,7 @@ pub(crate) fn found(brief: &Brief<'_>, search: &Search, others: &[enfilade_searc
         if let Some(i) = option {
             member.parameters.clone_from(&members[i].parameters);
         }
-        FoundBest { member, gains, option: option.map(|i| i + 1) }
+        FoundBest { member, gains }
     });
     Found {
         explanations: explanations(brief, &shown, &members),
@@ -189,10 +187,8 @@ pub(crate) fn shown(brief: &Brief<'_>, outcome: &enfilade_search::Outcome<'_>) -
 fn lower(shown: &mut [Objective], members: &mut [enfilade_search::Member]) -> f64 {
     let mut left: f64 = 1.0;
     for (j, o) in shown.iter_mut().enumerate().filter(|(_, o)| o.name != "penalty") {
-        let Some(limit) = o.limit else { continue };
-        let values = members.iter().map(|m| m.values[j]);
-        let is_more_better = o.sense == Sense::Max;
-        let kept = values.fold(limit, |a, v| if is_more_better { a.min(v) } else { a.max(v) });
+        let kept = o.limit_with(members.iter().map(|m| m.values[j]));
+        let (Some(limit), Some(kept)) = (o.limit, kept) else { continue };
         if kept != limit && limit != o.initial {
             left = left.min(((kept - o.initial) / (limit - o.initial)).clamp(0.0, 1.0));
         }

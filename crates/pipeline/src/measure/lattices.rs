@@ -57,7 +57,7 @@ pub(crate) fn ranked(study: &Study, settings: &Settings) -> Vec<LatticeAt> {
 }
 
 /// The study on each of the lattices that gains are confirmed on, coarse and fine; none where one has no cells. They are
-/// made once a study: what a round confirms, it confirms on the same.
+/// made once a study, by the settings of its round: what a round confirms, it confirms on the same.
 pub(crate) fn confirming<'s>(study: &'s Study, settings: &Settings) -> &'s [Vec<Study>; 2] {
     if study.confirming.get().is_none() {
         let on = |at: &LatticeAt| study.on_lattices(settings, &[*at], Use::Few).ok();

@@ -33,8 +33,8 @@ pub struct Worth {
 }
 
 impl Worth {
-    /// Takes in that works made the walls longer or shorter, metres: limits hold it. No penalty counts it, since what works
-    /// cost is told beside them.
+    /// Takes in that works made the walls longer or shorter, metres. Limits hold it. No penalty counts it: each work states
+    /// its own cost.
     pub(crate) fn built(&mut self, more_m: f64) {
         self.wall_total_m += more_m;
     }

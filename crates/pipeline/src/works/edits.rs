@@ -219,7 +219,7 @@ pub(super) fn outlines(base: &Understood, work: &Work) -> Vec<[DVec2; 4]> {
     pieces.collect()
 }
 
-/// Pieces of wall that are shorter are none, metres of a person.
+/// Shorter pieces of wall do not count, metres of a person: a slip of the hand at a jamb.
 const LEAST_M: f64 = 0.01;
 
 /// What was demolished as an outline.

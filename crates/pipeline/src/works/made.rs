@@ -172,8 +172,8 @@ pub(crate) fn of_option(job: Job<'_>, wanted: &[OptionWork]) -> Result<Together,
     Together::make(job, (&study, &floor), &works)
 }
 
-/// Ends of a stretch are told to the millimetre.
-const SAME_M: f64 = 1.5e-3;
+/// Ends of a stretch are written in whole millimetres: nearer ones are the same, metres.
+const SAME_M: f64 = 1e-3;
 
 /// All works as one set of changes.
 fn together(

@@ -5,10 +5,11 @@ use super::made::Together;
 use super::{Floor, Listed, shown};
 use crate::confirm::confirmed;
 use crate::confirm::ideas::{Experience, SAME_MAPS};
+use crate::confirm::refined::{RESERVES, STRIPPED};
 use crate::job::Job;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
-use crate::search::brief::{Aims, is_bare};
+use crate::search::brief::Aims;
 use crate::search::judged::{evaluation, gained, is_firm};
 use crate::understand::understood::Understood;
 use enfilade_cad::drawing::{Addition, Edit, Filling};
@@ -16,21 +17,17 @@ use enfilade_config::{Mode, Settings};
 use enfilade_engine::geometry::Segment;
 use enfilade_overlay::built::{BuiltWall, Effort, OptionWork, titles};
 use enfilade_overlay::picture::{PlanPicture, Stroke};
-use enfilade_overlay::result::{Gains, Objective, Sense};
+use enfilade_overlay::result::{Gains, Objective};
 use enfilade_overlay::works::{LEAST_SHOWN, WorkEntry};
 use enfilade_report::{Cancel, Error, Place, Report};
 use enfilade_works::{RoomId, Work};
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// Single works that are looked at, the best of each pair of rooms.
+/// Single works that are looked at, the best of each pair of rooms: for speed alone, more than are ever shown.
 const SINGLES: usize = 12;
-/// The best of these of which pairs are looked at.
+/// The best of these of which pairs are looked at: for speed alone, ten pairs at most.
 const PAIRED: usize = 5;
-/// A further work of a set brings at least this share of what the set gains; else nobody would pay for it.
-const FURTHER: f64 = 0.1;
-/// Sets made beyond those wanted, for those that read otherwise than meant.
-const RESERVES: usize = 2;
 
 /// An option that builds.
 pub(crate) struct BuildingOption {
@@ -88,9 +85,9 @@ impl BuildingOption {
 
 /// Whether works are looked for as options: where nobody said what may move, or somebody allowed works. Whoever lets nothing
 /// move but what is marked, and marks nothing, has said nothing of works.
-pub(crate) fn are_wanted(base: &Understood, settings: &Settings) -> bool {
+pub(crate) fn are_wanted(base: &Understood) -> bool {
     let is_allowed = !base.plan.markers.allowed.is_empty();
-    !is_bare(settings) && (is_allowed || base.moves.are_default)
+    is_allowed || base.moves.are_default
 }
 
 /// Works that are made together, with what is known of them on the lattice shown.
@@ -100,6 +97,8 @@ struct Set {
     works: Vec<usize>,
     lines: Vec<Segment>,
     gain: f64,
+    /// Mean degree with it.
+    degree: f64,
     /// Whether it keeps the limits.
     is_legal: bool,
     experience: Experience,
@@ -153,7 +152,7 @@ pub(crate) fn options(
     let withheld = made.iter().filter(|m| m.is_none()).count();
     if withheld > 0 {
         let text = format!(
-            "Works left out because the program reads the drawing with them otherwise than meant: {withheld}."
+            "Options left out because the drawing cannot hold their works, or reads otherwise with them: {withheld}."
         );
         report.info("works-withheld", Place::file(job.input.file()), text);
     }
@@ -194,16 +193,9 @@ pub(crate) fn lowered(
     settings: &Settings,
 ) -> Vec<Objective> {
     for (i, o) in objectives.iter_mut().enumerate().filter(|_| !is_firm(settings)) {
-        let Some(limit) = o.limit else { continue };
-        let values = options.iter().map(|b| b.values[i]);
-        o.limit = Some(values.fold(limit, |a, v| if o.sense == Sense::Max { a.min(v) } else { a.max(v) }));
+        o.limit = o.limit_with(options.iter().map(|b| b.values[i]));
     }
     objectives
-}
-
-/// Whether a value keeps the limit of an objective.
-fn keeps(o: &Objective, value: f64) -> bool {
-    o.limit.is_none_or(|limit| if o.sense == Sense::Max { value >= limit } else { value <= limit })
 }
 
 impl Builder<'_> {
@@ -244,7 +236,7 @@ impl Builder<'_> {
         let holds = |set: &Set, part: &Set| part.works.iter().all(|w| set.works.contains(w));
         let pays = |set: &Set| {
             let parts = shorter.iter().filter(|s| holds(set, s)).map(|s| s.gain);
-            set.gain * (1.0 - FURTHER) >= parts.fold(0.0, f64::max)
+            set.gain * (1.0 - STRIPPED) >= parts.fold(0.0, f64::max)
         };
         sets.into_iter().filter(pays).collect()
     }
@@ -269,7 +261,8 @@ impl Builder<'_> {
             // A pair may keep a limit that neither of the two keeps alone.
             let is_legal = evaluation(study, settings, objectives, &worth).violation == 0.0;
             let gain = gained(study, settings, objectives, &worth);
-            Set { works, lines, gain, is_legal, experience: Experience::of(study, &worth) }
+            let (degree, experience) = (worth.seen.means.degree, Experience::of(study, &worth));
+            Set { works, lines, gain, degree, is_legal, experience }
         };
         let found: Vec<Set> = sets.into_par_iter().map(one).collect();
         let mut out: Vec<Set> = found.into_iter().filter(|s| s.gain > 0.0).collect();
@@ -279,14 +272,13 @@ impl Builder<'_> {
         out
     }
 
-    /// The drawing with a set; `None` where it reads otherwise than meant.
+    /// The drawing with a set; `None` where it cannot be made, or reads otherwise than meant.
     fn make(&self, set: &Set, gains: Gains) -> Option<BuildingOption> {
         let Self { job, judges: Judges { study, trial, told, objectives }, .. } = *self;
         let works: Vec<(usize, &Work)> = set.works.iter().map(|w| (w + 1, self.work(*w))).collect();
         let made = Together::make(job, (study, self.floor()), &works).ok()?;
-        let [meant, worth] = [&made.meant, &made.lines].map(|lines| study.measure_walls(lines));
-        let seen = |worth: &Worth| worth.seen.means.degree;
-        if (seen(&worth) - seen(&meant)).abs() > LEAST_SHOWN * seen(&study.initial) {
+        let worth = study.measure_walls(&made.lines);
+        if (worth.seen.means.degree - set.degree).abs() > LEAST_SHOWN * study.initial.seen.means.degree {
             return None;
         }
         let entries: Vec<&WorkEntry> =
@@ -301,7 +293,7 @@ impl Builder<'_> {
             works: told_works,
             effort: entries.iter().fold(none, |all, e| all.and(&e.effort)),
             // Thresholds that yield are lowered to what options keep.
-            is_within: !is_firm(job.settings) || told.iter().zip(&values).all(|(o, v)| keeps(o, *v)),
+            is_within: !is_firm(job.settings) || told.iter().zip(&values).all(|(o, v)| o.keeps(*v)),
             values,
             gains,
             worth,

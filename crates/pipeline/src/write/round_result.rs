@@ -36,7 +36,7 @@ pub(crate) fn round_result(
     let of = |m: &Made| candidate(settings, study, &moves, &initial.mean, m);
     let candidates = made.iter().map(of).collect();
     let all = made;
-    let best = found.and_then(|f| f.best.as_ref()).zip(best).map(|(found, made)| {
+    let best = best.map(|made| {
         let of = candidate(settings, study, &moves, &initial.mean, made);
         Best {
             file: of.file,
@@ -46,7 +46,7 @@ pub(crate) fn round_result(
             score: of.score,
             gain: of.gain,
             words: of.words,
-            option: found.option.and_then(|_| same_as(made, all)),
+            option: same_as(made, all),
             changes: of.changes,
         }
     });
@@ -74,12 +74,10 @@ pub(crate) fn round_result(
     }
 }
 
-/// Which option a layout is, from 1: by its parameters, else by what it measures.
-fn same_as(best: &Made, options: &[Made]) -> Option<usize> {
-    let moving = |m: &&Made| m.built.is_none();
-    let at = |is: &dyn Fn(&Made) -> bool| options.iter().position(|m| moving(&m) && is(m));
-    let by_parameters = at(&|m| m.member.parameters == best.member.parameters);
-    by_parameters.or_else(|| at(&|m| m.member.values == best.member.values)).map(|i| i + 1)
+/// Which option a layout is, from 1.
+fn same_as(layout: &Made, options: &[Made]) -> Option<usize> {
+    let is = |m: &Made| m.built.is_none() && m.member.parameters == layout.member.parameters;
+    options.iter().position(is).map(|i| i + 1)
 }
 
 /// What is asked for where works are options.

@@ -54,12 +54,9 @@ pub(crate) fn say_out_of_reach(
 fn out_of_reach<'o>(objectives: &'o [Objective], archive: &[Vec<f64>]) -> Vec<&'o Objective> {
     let gains =
         |o: &Objective, value: f64| if o.sense == Sense::Max { value > o.initial } else { value < o.initial };
-    let keeps = |o: &Objective, value: f64| {
-        o.limit.is_none_or(|limit| if o.sense == Sense::Max { value >= limit } else { value <= limit })
-    };
     // What was in reach when its stage began may have been surpassed since.
     let is_gained = |i: usize| {
-        let before = |v: &Vec<f64>| (0..i).all(|j| keeps(&objectives[j], v[j]));
+        let before = |v: &Vec<f64>| (0..i).all(|j| objectives[j].keeps(v[j]));
         archive.iter().any(|v| before(v) && gains(&objectives[i], v[i]))
     };
     let is_lost = |(i, o): &(usize, &Objective)| {

@@ -167,7 +167,7 @@ fn works_are_held_to_the_length_of_walls() {
     let bytes = std::fs::read(sample("flat.dxf")).unwrap();
     let Outcome { result, .. } = round("flat.dxf", &bytes, "limit = \"wall-length -0.1%\"\n");
     assert!(building(&result).is_empty(), "{:?}", result.candidates);
-    // A penalty counts what moves; what works cost is told beside them.
+    // A penalty counts moves alone: each work states its own cost.
     let Outcome { result, .. } = round("flat.dxf", &bytes, "penalty = \"wall-length 1\"\n");
     assert!(!building(&result).is_empty());
 }

@@ -175,7 +175,7 @@ class Plan:
         like.added.append(Stroke("lines", [self._snapped(p, there) for p in side]))
 
     def _snapped(self, p: Point, there: List[Line]) -> Point:
-        """The end of a line where one lies: the result is told in whole millimetres."""
+        """The end of a line where one lies: the result has whole millimetres."""
         ends = [e for line in there for e in line]
         near = min(ends, key=lambda e: distance(p, e), default=p)
         return near if distance(p, near) <= self.unit * WORK_MM else p

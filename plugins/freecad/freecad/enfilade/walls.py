@@ -226,7 +226,7 @@ def join_groups(like, made) -> None:
 
 
 def look_like(like, made) -> None:
-    """Gives an object the colours and lines of another one; without a window there are none."""
+    """Gives an object the colours and lines of another one; without a window objects have no looks."""
     theirs, mine = getattr(like, "ViewObject", None), getattr(made, "ViewObject", None)
     if theirs is None or mine is None:
         return
