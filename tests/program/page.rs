@@ -708,7 +708,7 @@ fn a_browser_does_every_action() {
     let restart = json!({
         "pid": daemon.child.id(),
         "program": env!("CARGO_BIN_EXE_enfilade"),
-        "args": ["watch", format!("--page={}", daemon.port), daemon.plans().display().to_string()],
+        "args": ["watch", format!("--page={}", daemon.port), "--evaluations", "60", daemon.plans().display().to_string()],
     });
     browse(&daemon, modules, "drive.mjs", &restart.to_string());
     assert!(daemon.plans().join("gallery-r02.dxf").is_file(), "nothing was accepted");

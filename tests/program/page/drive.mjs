@@ -15,6 +15,8 @@ const shots = process.env.ENFILADE_LOOK;
 const browser = await launch();
 const faults = [];
 const page = await browser.newPage();
+// Jobs stand back for whatever else the machine does: how long one takes says nothing here.
+page.setDefaultTimeout(900000);
 page.on("pageerror", (e) => faults.push(`script: ${e.message}`));
 let isGone = false;
 page.on("console", (m) => {
@@ -27,16 +29,19 @@ page.on("dialog", (d) => { faults.push("a dialog: a name became code"); d.dismis
 const text = (selector) => page.$eval(selector, (e) => e.textContent);
 const said = (part) => page.waitForFunction((p) => document.getElementById("said").textContent.includes(p), {}, part);
 /** No job runs or waits: another may be asked for. */
-const idle = () => page.waitForFunction(() => document.getElementById("again")?.disabled === false, { timeout: 240000 });
-/** Clicks what is there, or comes; the page may draw a part anew between finding it and clicking it: then again. */
-const press = async (selector, tries = 20) => {
-  await page.waitForSelector(selector, { timeout: 60000 });
-  try {
-    await page.click(selector);
-  } catch (e) {
-    if (tries === 0 || !/detached|No element found/.test(e.message)) throw e;
-    await press(selector, tries - 1);
-  }
+const idle = () => page.waitForFunction(() => document.getElementById("again")?.disabled === false);
+/** Clicks what is there, or comes, where a pointer would: at once, since the page may draw a part anew at any moment. */
+const press = async (selector) => {
+  await page.waitForFunction((s) => {
+    const button = document.querySelector(s);
+    if (!button || button.disabled) return false;
+    button.scrollIntoView({ block: "center", behavior: "instant" });
+    const at = button.getBoundingClientRect();
+    if (!button.contains(document.elementFromPoint(at.x + at.width / 2, at.y + at.height / 2))) return false;
+    button.focus();
+    button.click();
+    return true;
+  }, {}, selector);
 };
 const unfold = () => page.evaluate(() => { document.querySelectorAll("details").forEach((d) => { d.open = true; }); });
 let pictures = 0;
@@ -217,7 +222,7 @@ try {
   await press("#chosen-like");
   await said("more like option 3; these stay: 1");
   assert.deepEqual(sent.at(-1), { round: 1, pin: [1], like: 3 });
-  await page.waitForFunction(() => document.querySelector("#round option")?.value === "round-02", { timeout: 240000 });
+  await page.waitForFunction(() => document.querySelector("#round option")?.value === "round-02");
   await idle();
   await press("#pin-0");
   const threshold = (value) => page.$eval("details.card fieldset input[max='1']", (i, v) => { i.value = v; i.dispatchEvent(new Event("input")); }, value);
@@ -236,7 +241,7 @@ try {
   await press("#again-with");
   await said("0.5");
   await said("these stay: 1");
-  await page.waitForFunction(() => document.querySelector("#round option")?.value === "round-03", { timeout: 240000 });
+  await page.waitForFunction(() => document.querySelector("#round option")?.value === "round-03");
   await idle();
   // The round says which of its options it was told to keep.
   await press("#show-0");
@@ -250,7 +255,7 @@ try {
   await press("#again");
   await said("as the settings say; these stay: 1");
   assert.deepEqual(sent.at(-1), { round: 3, pin: [1] });
-  await page.waitForFunction(() => document.getElementById("cancel")?.disabled === false, { timeout: 60000 });
+  await page.waitForFunction(() => document.getElementById("cancel")?.disabled === false);
   await page.waitForFunction(() => document.getElementById("words")?.textContent.startsWith("Option 2"));
   // Whoever stands on a button stays there while news comes.
   await page.focus("#cancel");
@@ -263,7 +268,7 @@ try {
   const isCancelled = () => page.$eval("#standing p", (p) => p.textContent.includes("cancelled"));
   for (let tries = 0; tries < 10 && !(await isCancelled()); tries += 1) {
     await press("#again");
-    await page.waitForFunction(() => document.getElementById("cancel")?.disabled === false, { timeout: 60000 });
+    await page.waitForFunction(() => document.getElementById("cancel")?.disabled === false);
     await press("#cancel");
     await idle();
   }
