@@ -19,7 +19,7 @@ use super::*;
 use crate::watch::Completeness;
 use enfilade_report::Severity;
 
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(900);
 
 /// Short times, and the end mark of a DXF in the simplest words.
 fn settings() -> WatchSettings {

@@ -16,7 +16,7 @@ fn eyes(root: &Path, depth: usize) -> (Eyes, mpsc::Receiver<Event>) {
 /// Waits for an event that names `path`.
 fn await_touch(events: &mpsc::Receiver<Event>, path: &Path) -> bool {
     loop {
-        match events.recv_timeout(Duration::from_secs(20)) {
+        match events.recv_timeout(Duration::from_secs(300)) {
             Ok(Event::Touched(p)) if p == path => return true,
             Ok(_) => {}
             Err(_) => return false,

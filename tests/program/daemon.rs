@@ -19,7 +19,7 @@ use rand::{RngExt, SeedableRng};
 const CHILD: &str = "ENFILADE_TEST_CHILD";
 const DRAWINGS: usize = 12;
 const KILLS: usize = 40;
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_secs(900);
 
 fn settings() -> WatchSettings {
     WatchSettings {

@@ -20,7 +20,7 @@ use serde_json::Value;
 
 /// How often the daemon is killed; more by `ENFILADE_KILLS`.
 const KILLS: usize = 8;
-const PATIENCE: Duration = Duration::from_secs(300);
+const PATIENCE: Duration = Duration::from_secs(900);
 
 fn sample() -> PathBuf {
     enfilade_fixtures::repository("samples/gallery.dxf")

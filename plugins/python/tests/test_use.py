@@ -195,8 +195,8 @@ def test_ctrl_c_stops_at_once(method, settings, sample):
     asked = time.monotonic()
     child.send_signal(signal.SIGINT)
     said = next(line for line in child.stdout if line != "works\n")
-    # A second of grace; the rest is for a busy machine.
-    assert said == "stopped\n" and time.monotonic() - asked < 3
+    # Neither ends by itself in that time; the grace is a second, the rest is for a busy machine.
+    assert said == "stopped\n" and time.monotonic() - asked < 15
     assert child.stdout.read().startswith("Plan(") and child.wait(60) == 0
     assert not list(path.parent.rglob("round-*"))
 

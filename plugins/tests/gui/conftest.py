@@ -29,7 +29,7 @@ class Window:
     def __init__(self, folder, display, shots):
         self.folder, self._display, self._shots = folder, display, shots
 
-    def ask(self, name, *values, secs=60):
+    def ask(self, name, *values, secs=300):
         answer = os.path.join(self.folder, "answer.json")
         with open(os.path.join(self.folder, "question.part"), "w") as f:
             json.dump({"name": name, "values": values}, f)
@@ -66,7 +66,7 @@ class Window:
         self._xdotool("key", *keys)
         time.sleep(0.4)
 
-    def wait_for(self, question, condition, secs=120):
+    def wait_for(self, question, condition, secs=600):
         end = time.monotonic() + secs
         while True:
             value = self.ask(question)
@@ -138,7 +138,7 @@ def window(tmp_path_factory, screen):
         ["freecad", os.path.join(HERE, "session.py")], env=env, stdin=subprocess.DEVNULL, stdout=log, stderr=log
     )
     try:
-        end = time.monotonic() + 240  # FreeCAD on a busy machine
+        end = time.monotonic() + 600  # FreeCAD on a busy machine
         while not os.path.exists(os.path.join(folder, "ready")):
             failed = os.path.join(folder, "failed")
             said = open(failed).read() if os.path.exists(failed) else ""

@@ -26,7 +26,7 @@ def librecad(screen, tmp_path):
         process = subprocess.Popen(["librecad", opened.name], cwd=tmp_path, env=env, stdin=subprocess.DEVNULL)
         try:
             words = ["xdotool", "search", "--onlyvisible", "--name", opened.name]
-            end = time.monotonic() + 60
+            end = time.monotonic() + 300
             while subprocess.run(words, env=env, stdout=subprocess.DEVNULL).returncode:
                 assert process.poll() is None and time.monotonic() < end, "LibreCAD does not show the drawing"
                 time.sleep(0.3)

@@ -17,7 +17,7 @@ self.addEventListener("fetch", (e) => e.respondWith(
   new Response(${JSON.stringify(PAGE)}, { headers: { "content-type": "text/html" } })));`;
 const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 const live = (page) =>
-  page.waitForFunction(() => document.getElementById("link")?.textContent === "live", { timeout: 60000, polling: 200 });
+  page.waitForFunction(() => document.getElementById("link")?.textContent === "live", { timeout: 900000, polling: 200 });
 let second = null;
 const squat = createServer((asked, answer) => {
   const [kind, text] = asked.url === "/worker.js" ? ["text/javascript", WORKER] : ["text/html", PAGE];
@@ -25,13 +25,14 @@ const squat = createServer((asked, answer) => {
 });
 /** Tries until it works. */
 async function until(what) {
-  for (let left = 100; ; left -= 1) {
+  for (let left = 1000; ; left -= 1) {
     try { return await what(); } catch (e) { if (!left) throw e; }
     await pause(200);
   }
 }
 const fault = await (async () => {
   const page = await browser.newPage();
+  page.setDefaultTimeout(900000);
   await page.goto(link);
   await live(page);
   await page.goto("about:blank");

@@ -9,6 +9,7 @@ const faults = [];
 try {
   const page = await browser.newPage();
   page.on("pageerror", (e) => faults.push(`script: ${e.message}`));
+  page.setDefaultTimeout(900000);
   await page.goto(link);
   const rowOf = (name) => page.waitForFunction((n) => [...document.querySelectorAll("#drawings a")].find((a) => a.textContent.startsWith(n)), {}, name);
   const names = () => page.$$eval("#drawings a", (as) => as.map((a) => a.firstChild.textContent));

@@ -14,13 +14,14 @@ const faults = [];
 try {
   const page = await browser.newPage();
   page.on("pageerror", (e) => faults.push(`script: ${e.message}`));
+  page.setDefaultTimeout(900000);
   await page.goto(link);
   await page.waitForSelector("#drawings a");
   await page.click("#drawings a");
   await page.waitForSelector("#accept-0");
   rmSync(drawing);
   await page.waitForFunction(() => document.querySelector("#drawings").textContent.startsWith("No drawing yet"));
-  await page.waitForFunction(() => document.getElementById("title")?.textContent === "No such drawing", { timeout: 10000 });
+  await page.waitForFunction(() => document.getElementById("title")?.textContent === "No such drawing", { timeout: 900000 });
   if (await page.$("#main button")) faults.push("a button of the drawing is still there");
 } catch (e) {
   faults.push(e.stack ?? String(e));
