@@ -34,9 +34,9 @@ pub struct Allow {
     pub structure: bool,
     /// Open joints that are closed as drawn.
     pub open_joints: bool,
-    /// Run walls through each other by default moves.
+    /// Run walls through each other.
     pub crossings: bool,
-    /// Leave ways and doors narrower than they must be, by default moves.
+    /// Leave ways and doors narrower than they must be.
     pub narrow_ways: bool,
     /// Move walls into stairs, furniture and fixtures.
     pub things: bool,

@@ -322,7 +322,7 @@ fn tables_that_stay(base: &Understood, settings: &Settings, layout: &Layout) -> 
 }
 
 /// A unit as `--unit` takes it: by its name, else by its length.
-fn unit_words(unit: Unit) -> String {
+pub(crate) fn unit_words(unit: Unit) -> String {
     let is_known = unit_by_name(unit.name).is_some();
     if is_known { unit.name.into() } else { format!("{}m", unit.metres) }
 }

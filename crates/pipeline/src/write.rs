@@ -3,6 +3,7 @@
 pub(crate) mod along;
 pub(crate) mod analysis;
 pub(crate) mod asked;
+pub(crate) mod beside;
 pub(crate) mod bounded;
 pub(crate) mod changes;
 pub(crate) mod check_picture;
@@ -112,6 +113,7 @@ pub(crate) fn write(
     let shown: Vec<&Made> = made.iter().chain(&best).collect();
     let mut files = files::pictures(job, study, &shown)?;
     files.extend(files::drawings(job, study, (&shown, works), &result)?);
+    files.extend(beside::side_cars(study, settings, &shown)?);
     files.push(OutFile::new("convergence.png", files::convergence(found)?));
     files.push(OutFile::new("diversity.png", files::diversity(study, &made)?));
     let rooms = rooms_with_kinds(&study.base, sensed, job.settings)?;

@@ -1,6 +1,7 @@
-//! Whether a layout of default moves can be offered: what only the file and all its doors say.
+//! Whether a layout can be offered: what only the file and all its doors say.
 
 use crate::job::Job;
+use crate::measure::faults::is_gated;
 use crate::read;
 use crate::search::brief::Brief;
 use crate::understand::edits::{edits_of, tied};
@@ -10,7 +11,7 @@ use enfilade_moves::narrowed::Doors;
 /// every layout to is not asked again.
 pub(crate) fn is_sound(brief: &Brief<'_>, parameters: &[f64]) -> bool {
     let (base, settings, input) = (&brief.study.base, brief.settings, brief.input);
-    if !base.moves.are_default {
+    if !is_gated(base, settings) {
         return true;
     }
     let layout = base.moves.apply(&base.plan, &base.graph, parameters);

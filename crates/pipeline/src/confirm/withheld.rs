@@ -1,9 +1,9 @@
-//! What the rules of default moves hold back: better layouts that a builder would refuse, and structure that stays.
+//! What the rules hold back: better layouts that a builder would refuse, and structure that stays.
 
 use std::collections::BTreeMap;
 
 use crate::confirm::confirmed::gains;
-use crate::measure::faults::Faults;
+use crate::measure::faults::{Faults, is_gated};
 use crate::measure::worth::Worth;
 use crate::search::brief::Brief;
 use crate::search::judged::{evaluation, gained};
@@ -14,7 +14,7 @@ use enfilade_report::counted;
 /// Where in its bounds each move is tried alone, from the lower to the upper.
 const TRIED_AT: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
 
-/// A rule of default moves that can be given up.
+/// A rule that can be given up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Rule {
     Joints,
@@ -50,10 +50,12 @@ impl Rule {
 
 /// What of the rules keeps moves from options, with the word that permits it; empty where nothing does.
 pub(crate) fn words(brief: &Brief<'_>) -> String {
-    if !brief.study.base.moves.are_default {
+    let base = &brief.study.base;
+    if !is_gated(base, brief.settings) {
         return String::new();
     }
-    told(&held(brief), brief.study.base.plan.bearing.len())
+    // Marks move structure all the same.
+    told(&held(brief), if base.moves.are_default { base.plan.bearing.len() } else { 0 })
 }
 
 /// What a rule holds back.

@@ -1,7 +1,7 @@
 //! What a builder would refuse of a layout, whatever it gains.
 
 use crate::understand::understood::Understood;
-use enfilade_config::{Held, Penalty, Settings};
+use enfilade_config::{Held, Method, Penalty, Settings};
 use enfilade_moves::Layout;
 use enfilade_moves::opened::Joints;
 use enfilade_moves::struck::Struck;
@@ -41,7 +41,13 @@ impl Faults {
     }
 }
 
-/// What finds them: nothing where marks say what moves, or where it is allowed.
+/// Whether layouts are held to what a builder would refuse: all moves are, marked ones too, unless the user takes the
+/// search as it is.
+pub(crate) fn is_gated(base: &Understood, settings: &Settings) -> bool {
+    base.moves.are_default || !settings.raw && settings.method != Method::Paper
+}
+
+/// What finds them: nothing where it is allowed.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Guards {
     joints: Option<Joints>,
@@ -53,7 +59,7 @@ impl Guards {
     /// For the moves of a drawing, its walls as `pieces`.
     pub fn new(base: &Understood, pieces: &[WallPiece], settings: &Settings) -> Self {
         let Understood { plan, moves, fittings, .. } = base;
-        if !moves.are_default || settings.raw {
+        if settings.raw || !is_gated(base, settings) {
             return Self::default();
         }
         let allow = settings.allow;

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::measure::faults::is_gated;
 use crate::measure::limits;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
@@ -102,9 +103,9 @@ pub(crate) fn hidden(study: &Study, settings: &Settings, worth: &Worth) -> Vec<O
 /// Corners that are written to the micrometre and mitred anew may run through each other by so much, metres.
 pub(crate) const CROSSING_FREE_M: f64 = 0.02;
 
-/// By how much walls run through each other only now, metres, where nobody said what moves: such an option is none.
+/// By how much walls run through each other only now, metres: such an option is none.
 fn crossing_m(study: &Study, settings: &Settings, worth: &Worth) -> f64 {
-    if !study.base.moves.are_default || settings.allow.crossings {
+    if settings.allow.crossings || !is_gated(&study.base, settings) {
         return 0.0;
     }
     (worth.penalty(Penalty::Overlap) - CROSSING_FREE_M).max(0.0)

@@ -13,7 +13,7 @@ use crate::search::brief::Aims;
 use crate::search::judged::{evaluation, gained, is_firm};
 use crate::understand::understood::Understood;
 use enfilade_cad::drawing::{Addition, Edit, Filling};
-use enfilade_config::{Mode, Settings};
+use enfilade_config::{Mode, Settings, WorkTable};
 use enfilade_engine::geometry::Segment;
 use enfilade_overlay::built::{BuiltWall, Effort, OptionWork, titles};
 use enfilade_overlay::picture::{PlanPicture, Stroke};
@@ -51,6 +51,8 @@ pub(crate) struct BuildingOption {
     pub(crate) edits: Vec<Edit>,
     /// What was demolished, drawing units.
     pub(crate) additions: Vec<Addition>,
+    /// What the drawing cannot hold: decided in the side-car.
+    pub(crate) tables: Vec<WorkTable>,
     /// What goes, and what is built, plan frame.
     pub(crate) strokes: Vec<Stroke>,
     /// The plan with the works.
@@ -302,6 +304,7 @@ impl Builder<'_> {
             shows_private: plain.iter().any(|w| w.shows_through_doors),
             edits: made.written.edits,
             additions: made.written.additions,
+            tables: made.written.tables,
             report: made.report,
         })
     }

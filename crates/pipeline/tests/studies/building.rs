@@ -60,6 +60,28 @@ fn claims_hold(file: &str) {
     }
 }
 
+/// The file of each option with the side-car beside it measures what the round says of it, to the last digit.
+fn repeats(file: &str) {
+    let (_, Outcome { result, files, .. }) = of_sample(file);
+    let named = |name: String| files.iter().find(|f| f.path.ends_with(&name)).unwrap();
+    let ending = file.rsplit_once('.').unwrap().1;
+    let best = result.best.iter().map(|b| ("best".to_owned(), &b.mean));
+    let options = (1..).zip(&result.candidates).map(|(i, c)| (format!("candidate-{i}"), &c.mean));
+    for (name, claimed) in options.chain(best) {
+        let side_car = String::from_utf8(named(format!("{name}.enfilade.toml")).bytes.clone()).unwrap();
+        let settings = Settings::new(Partial::from_toml("", &side_car).unwrap()).unwrap();
+        let name = format!("{name}.{ending}");
+        let input = Input::new(&name, &named(name.clone()).bytes, 2);
+        let (again, _) = analyse(&input, &settings, &Cancel::default()).unwrap();
+        assert_eq!(again.result.mean, *claimed, "{file}: {name}");
+    }
+}
+
+#[test]
+fn an_option_measures_what_the_round_says() {
+    ["flat.dxf", "flat.ifc", "flat.glb", "gallery.dxf"].into_iter().for_each(repeats);
+}
+
 #[test]
 fn what_a_drawing_gains_by_works_is_measured_again() {
     claims_hold("flat.dxf");
