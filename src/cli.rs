@@ -352,6 +352,9 @@ pub struct SearchArgs {
     /// What options may do that none does otherwise: structure, open-joints, crossings, narrow-ways, things, any-step.
     #[arg(long, value_name = "LIST")]
     pub allow: Option<String>,
+    /// What the building works of an option may cost: "2 works, 4 m" of wall that goes or is built.
+    #[arg(long, value_name = "LIST")]
+    pub budget: Option<String>,
     /// Show an option if it surely gains this much in something that is asked for; 1% by default.
     #[arg(long, value_name = "SHARE")]
     pub least_gain: Option<String>,
@@ -640,6 +643,7 @@ impl Common {
             most_moves: s.most_moves,
             only_marked: s.only_marked.then_some(true),
             allow: s.allow.clone(),
+            budget: s.budget.clone(),
             least_gain: s.least_gain.clone(),
             raw: s.raw.then_some(true),
             until_converged: s.until_converged.then_some(true),

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Allow, Measure, PairName, Penalty, bad, clauses};
+use super::{Allow, Budget, Measure, PairName, Penalty, bad, clauses};
 use enfilade_report::Error;
 
 /// How the values of the cells become one number.
@@ -426,6 +426,12 @@ pub(super) fn snap(text: &str) -> Result<Snap, Error> {
 pub(super) fn allow(text: &str) -> Result<Allow, Error> {
     let expected = "structure, open-joints, crossings, narrow-ways, things, any-step, or none";
     text.parse().map_err(|word: String| bad("allow", &format!("{word:?}"), expected))
+}
+
+/// Words of `--budget`.
+pub(super) fn budget(text: &str) -> Result<Budget, Error> {
+    let expected = "`2 works, 4 m`, either of them, or none";
+    text.parse().map_err(|part: String| bad("budget", &format!("{part:?}"), expected))
 }
 
 /// Gains smaller than this nobody would rebuild a wall for.

@@ -14,6 +14,7 @@
 //! ```
 
 mod beside;
+mod budget;
 mod choices;
 mod control;
 mod files;
@@ -30,6 +31,7 @@ mod wording;
 use serde::{Deserialize, Serialize};
 
 pub use beside::{Beside, Twin};
+pub use budget::Budget;
 pub use choices::{Allow, Colours, Thresholds, Unsure};
 pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
 pub use enfilade_brief::{Measure, Method, Mode, Source};
@@ -167,6 +169,7 @@ pub struct Partial {
     pub most_moves: Option<usize>,
     pub only_marked: Option<bool>,
     pub allow: Option<String>,
+    pub budget: Option<String>,
     pub least_gain: Option<String>,
     pub raw: Option<bool>,
     pub until_converged: Option<bool>,
@@ -283,6 +286,7 @@ impl Partial {
             most_moves: self.most_moves.or(base.most_moves),
             only_marked: self.only_marked.or(base.only_marked),
             allow: self.allow.or(base.allow),
+            budget: self.budget.or(base.budget),
             least_gain: self.least_gain.or(base.least_gain),
             raw: self.raw.or(base.raw),
             until_converged: self.until_converged.or(base.until_converged),
@@ -379,6 +383,9 @@ pub struct Settings {
     /// What options may do that none does otherwise.
     #[serde(default)]
     pub allow: Allow,
+    /// What the building works of an option may cost.
+    #[serde(default)]
+    pub budget: Budget,
     /// An option is shown if it surely gains at least so much in something that is asked for: a share of the present value.
     #[serde(default = "control::least_gain_default")]
     pub least_gain: f64,
@@ -544,6 +551,7 @@ impl Settings {
             most_moves: p.most_moves.map(|n| count("most-moves", n, 1, usize::MAX)).transpose()?,
             only_marked: p.only_marked.unwrap_or(false),
             allow: p.allow.as_deref().map_or(Ok(Allow::default()), control::allow)?,
+            budget: p.budget.as_deref().map_or(Ok(Budget::default()), control::budget)?,
             least_gain: p.least_gain.as_deref().map_or(Ok(control::LEAST_GAIN), control::share)?,
             raw: p.raw.unwrap_or(false),
             until_converged: p.until_converged.unwrap_or(false),

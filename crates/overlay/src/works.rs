@@ -224,13 +224,18 @@ impl WorksResult {
     /// The best of each pair of rooms, allowed or not, at most so many. A whole wall stands for its pair only where nothing
     /// smaller does: it always shows more, and costs more than most people want.
     pub fn different(&self, is_allowed: bool, most: usize) -> Vec<&WorkEntry> {
+        self.different_of(most, |w| w.is_allowed == is_allowed)
+    }
+
+    /// The same of works that a caller takes.
+    pub fn different_of(&self, most: usize, is_taken: impl Fn(&WorkEntry) -> bool) -> Vec<&WorkEntry> {
         let pair = |w: &WorkEntry| {
             let mut pair = w.rooms;
             pair.sort_unstable();
             pair
         };
         let share = |w: &WorkEntry| w.gain.get(VISIBILITY).map_or(0.0, |g| g.share);
-        let may = |w: &&WorkEntry| w.is_allowed == is_allowed && w.kind != "glaze" && share(w) > LEAST_SHOWN;
+        let may = |w: &&WorkEntry| is_taken(w) && w.kind != "glaze" && share(w) > LEAST_SHOWN;
         let (small, whole): (Vec<&WorkEntry>, Vec<&WorkEntry>) =
             self.works.iter().filter(may).partition(|w| w.kind != "remove");
         let mut out: Vec<&WorkEntry> = Vec::new();

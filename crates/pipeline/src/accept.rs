@@ -268,6 +268,7 @@ fn side_car(
         most_moves: settings.most_moves,
         only_marked: Some(settings.only_marked),
         allow: Some(settings.allow.to_string()),
+        budget: Some(settings.budget.to_string()),
         least_gain: Some(settings.least_gain.to_string()),
         raw: Some(settings.raw),
         until_converged: Some(settings.until_converged),

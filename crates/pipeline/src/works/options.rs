@@ -140,6 +140,7 @@ pub(crate) fn options(
     let Judges { study, objectives, .. } = judges;
     let builder = Builder { job, judges, listed };
     let wanted = wanted(job.settings);
+    builder.say_budget(report);
     let sets = unlike(builder.sets(cancel)?, wanted + RESERVES);
     cancel.check()?;
     let gains = confirmed::gains_of(study, job.settings, objectives, sets.len(), &|on| {
@@ -209,20 +210,42 @@ impl Builder<'_> {
         &self.listed.found[place]
     }
 
+    /// Whether the budget holds works together.
+    fn is_within_budget(&self, works: &[usize]) -> bool {
+        let entries = works.iter().filter_map(|w| self.listed.result.works.get(*w));
+        self.job.settings.budget.holds(works.len(), entries.map(|e| e.effort.length_m()).sum())
+    }
+
+    /// Says what costs more than the budget holds.
+    fn say_budget(&self, report: &mut Report) {
+        let dear = |e: &WorkEntry| e.is_allowed && !self.is_within_budget(&[e.id - 1]);
+        let count = self.listed.result.works.iter().filter(|e| dear(e)).count();
+        let result = &self.listed.result;
+        let Some(best) = result.different_of(1, dear).first().map(|e| result.line(e)) else { return };
+        let text = format!(
+            "Works that cost more than `--budget \"{}\"`: {count}. The best of them: {best}.",
+            self.job.settings.budget
+        );
+        report.info("works-budget", Place::file(self.job.input.file()), text);
+    }
+
     /// Single works by what they gain, then the best pair and what a third adds to it; all that gain.
     fn sets(&self, cancel: &Cancel) -> Result<Vec<Set>, Error> {
-        let entries = self.listed.result.different(true, SINGLES);
+        let may = |e: &WorkEntry| e.is_allowed && self.is_within_budget(&[e.id - 1]);
+        let entries = self.listed.result.different_of(SINGLES, may);
         let singles: Vec<Vec<usize>> = entries.iter().map(|e| vec![e.id - 1]).collect();
         let singles = self.measured(singles);
         cancel.check()?;
         let best: Vec<usize> = singles.iter().take(PAIRED).map(|s| s.works[0]).collect();
         let pairs = best.iter().enumerate().flat_map(|(i, a)| best[i + 1..].iter().map(|b| [*a, *b]));
-        let pairs = pairs.filter(|[a, b]| self.go_together(*a, *b)).map(|p| p.to_vec()).collect();
+        let pairs = pairs.filter(|p| self.go_together(p[0], p[1]) && self.is_within_budget(p));
+        let pairs = pairs.map(|p| p.to_vec()).collect();
         let mut sets = self.longer(self.measured(pairs), &singles);
         cancel.check()?;
         if let Some(pair) = sets.first().cloned() {
             let third = best.iter().filter(|c| pair.works.iter().all(|w| self.go_together(*w, **c)));
-            let triples = third.map(|c| [&pair.works[..], &[*c]].concat()).collect();
+            let triples = third.map(|c| [&pair.works[..], &[*c]].concat());
+            let triples = triples.filter(|t| self.is_within_budget(t)).collect();
             let triples = self.longer(self.measured(triples), std::slice::from_ref(&pair));
             sets.splice(0..0, triples);
         }

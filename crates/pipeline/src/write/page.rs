@@ -5,7 +5,9 @@ use crate::job::{Input, Job};
 use crate::works::Listed;
 use crate::write::made::Made;
 use crate::write::maps::Map;
-use enfilade_config::{Allow, Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure};
+use enfilade_config::{
+    Allow, Backend, Budget, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure,
+};
 use enfilade_overlay::measure::CHANGE;
 use enfilade_overlay::page::{ArchivePoint, ReportInput, View, report_html};
 use enfilade_overlay::result::{RoundResult, Sense};
@@ -124,6 +126,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     add("least-gain", settings.least_gain.to_string());
     if settings.allow != Allow::default() {
         add("allow", settings.allow.to_string());
+    }
+    if settings.budget != Budget::default() {
+        add("budget", settings.budget.to_string());
     }
     if settings.accept_missing_eof {
         out.push_str(" --accept-missing-eof");

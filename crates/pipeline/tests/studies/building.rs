@@ -204,3 +204,18 @@ fn the_one_option_is_the_best() {
         assert!(one.works.len() > 1 && one.gain["degree"].low > 0.2, "{more}: {}", one.words);
     }
 }
+
+/// No option costs more than the budget holds, and what costs more is named.
+#[test]
+fn options_keep_to_the_budget() {
+    let bytes = std::fs::read(sample("flat.dxf")).unwrap();
+    let of = |budget: &str| round("flat.dxf", &bytes, &format!("budget = {budget:?}\n"));
+    let (free, one, short) = (of("none"), of("1 work"), of("1 m"));
+    let most = |o: &Outcome<RoundResult>| o.result.candidates.iter().map(|c| c.works.len()).max();
+    assert_eq!([most(&free), most(&one), most(&short)], [Some(2), Some(1), Some(1)]);
+    let length = |c: &Candidate| c.works.iter().map(|w| w.effort.length_m()).sum::<f64>();
+    assert!(short.result.candidates.iter().all(|c| length(c) <= 1.0));
+    assert!(free.result.candidates.iter().any(|c| length(c) > 1.0));
+    let named = |o: &Outcome<RoundResult>| o.report.problems.iter().any(|p| p.code == "works-budget");
+    assert_eq!([&free, &one, &short].map(named), [false, false, true]);
+}
