@@ -1,12 +1,14 @@
 //! Building works in a building: openings that void walls, and elements that are to go.
 
-use glam::DVec2;
+use glam::{DAffine3, DVec2, DVec3};
 
 use super::ReadOptions;
 use super::additions::{Writer, refs};
 use super::building::Building;
+use super::geo::is_upright;
 use super::number::real;
 use super::standing::reach;
+use super::step::Arg;
 use crate::drawing::{Edit, EntityWork, Filling, Shape};
 use crate::step_text::encode;
 use enfilade_report::{Error, Place, Report};
@@ -76,13 +78,48 @@ fn ring(shape: &Shape) -> Option<Vec<DVec2>> {
     }
 }
 
+/// What a new body is placed by: a placement that stands upright, and where that is in the world.
+#[derive(Clone, Copy)]
+struct Base {
+    placement: Option<u64>,
+    world: DAffine3,
+}
+
+/// A new body.
+struct Body {
+    placement: u64,
+    shape: u64,
+    /// For what is placed by it.
+    base: Base,
+}
+
+/// Decimals of a coordinate that is turned into another frame: below them lies rounding.
+const DECIMALS: f64 = 1e9;
+
+/// A coordinate without the rounding of a turn.
+fn rounded(v: f64) -> String {
+    let short = (v * DECIMALS).round() / DECIMALS;
+    real(if short.is_finite() { short + 0.0 } else { v })
+}
+
 impl Writer<'_, '_, '_> {
-    /// An upright body over a ring: its placement and its shape.
-    fn body(&mut self, ring: &[DVec2], [z, top]: [f64; 2]) -> [u64; 2] {
-        let flat = |p: DVec2| format!("IFCCARTESIANPOINT(({},{}))", real(p.x), real(p.y));
+    /// The placement of an element or a storey, for what belongs to it; the world's where it lies askew.
+    fn base(&self, id: u64) -> Base {
+        let placement = self.b.step.args(id).get(5).and_then(Arg::id);
+        let upright = |p: u64| {
+            let world = self.b.geo.placement(p).ok().filter(is_upright)?;
+            Some(Base { placement: Some(p), world })
+        };
+        placement.and_then(upright).unwrap_or(Base { placement: None, world: DAffine3::IDENTITY })
+    }
+
+    /// An upright body over a ring, placed by `base`.
+    fn body(&mut self, base: Base, ring: &[DVec2], [z, top]: [f64; 2]) -> Body {
+        let flat = |p: DVec3| format!("IFCCARTESIANPOINT(({},{}))", rounded(p.x), rounded(p.y));
         // Coordinates about the first corner: those of a map have too many digits for some programs.
-        let zero = ring[0];
-        let mut corners: Vec<u64> = ring.iter().map(|p| self.add(&flat(*p - zero))).collect();
+        let local = |p: DVec2| base.world.inverse().transform_point3(p.extend(z));
+        let zero = local(ring[0]);
+        let mut corners: Vec<u64> = ring.iter().map(|p| self.add(&flat(local(*p) - zero))).collect();
         corners.push(corners[0]);
         let line = self.add(&format!("IFCPOLYLINE({})", refs(&corners)));
         let profile = self.add(&format!("IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#{line})"));
@@ -93,9 +130,13 @@ impl Writer<'_, '_, '_> {
         let context = self.context.map_or("$".into(), |c| format!("#{c}"));
         let shown = self.add(&format!("IFCSHAPEREPRESENTATION({context},'Body','SweptSolid',(#{body}))"));
         let shape = self.add(&format!("IFCPRODUCTDEFINITIONSHAPE($,$,(#{shown}))"));
-        let at = self.add(&format!("IFCCARTESIANPOINT(({},{},{}))", real(zero.x), real(zero.y), real(z)));
+        let at = [zero.x, zero.y, zero.z].map(rounded).join(",");
+        let at = self.add(&format!("IFCCARTESIANPOINT(({at}))"));
         let axes = self.add(&format!("IFCAXIS2PLACEMENT3D(#{at},$,$)"));
-        [self.add(&format!("IFCLOCALPLACEMENT($,#{axes})")), shape]
+        let within = base.placement.map_or("$".into(), |p| format!("#{p}"));
+        let placement = self.add(&format!("IFCLOCALPLACEMENT({within},#{axes})"));
+        let world = base.world * DAffine3::from_translation(zero);
+        Body { placement, shape, base: Base { placement: Some(placement), world } }
     }
 
     /// Metres above the floor in file units.
@@ -104,12 +145,12 @@ impl Writer<'_, '_, '_> {
     }
 
     /// An opening through a wall.
-    fn opening(&mut self, wall: u64, gone: &[DVec2; 4], filling: Filling) -> u64 {
+    fn opening(&mut self, wall: u64, gone: &[DVec2; 4], filling: Filling) -> (u64, Base) {
         let [below, top] = [-BELOW_FLOOR_M, OPENING_HEIGHT_M].map(|m| self.above(m));
         let whole = reach(self.b, wall).filter(|_| filling == Filling::Gone);
         let over = BELOW_FLOOR_M / self.b.geo.metres;
         let heights = whole.map_or([below, top], |[lo, hi]| [lo - over, hi + over]);
-        let [placement, shape] = self.body(gone, heights);
+        let Body { placement, shape, base } = self.body(self.base(wall), gone, heights);
         let (history, last) = (self.history.clone(), if self.is_old() { "" } else { ",.OPENING." });
         let gid = self.global_id("opening");
         let made = self.add(&format!(
@@ -118,11 +159,17 @@ impl Writer<'_, '_, '_> {
         let gid = self.global_id("voids");
         self.add(&format!("IFCRELVOIDSELEMENT('{gid}',{history},$,$,#{wall},#{made})"));
         self.status(made, "Pset_OpeningElementCommon", "NEW");
-        made
+        (made, base)
     }
 
     /// A door or a window in an opening: a leaf or a pane in the middle of the wall.
-    fn filled(&mut self, opening: u64, gone: &[DVec2; 4], filling: Filling, storey: Option<u64>) {
+    fn filled(
+        &mut self,
+        (opening, base): (u64, Base),
+        gone: &[DVec2; 4],
+        filling: Filling,
+        storey: Option<u64>,
+    ) {
         let (keyword, name, set, last) = match filling {
             Filling::Nothing | Filling::Gone => return,
             Filling::Door => ("IFCDOOR", "Door", "Pset_DoorCommon", ",.DOOR.,.NOTDEFINED.,$"),
@@ -132,7 +179,8 @@ impl Writer<'_, '_, '_> {
         let (right, left) = ((a + d) / 2.0, (b + c) / 2.0);
         let off = (d - a).normalize_or_zero() * (LEAF_M / 2.0 / self.b.geo.metres);
         let ring = [right - off, left - off, left + off, right + off];
-        let [placement, shape] = self.body(&ring, [self.above(0.0), self.above(OPENING_HEIGHT_M)]);
+        let heights = [self.above(0.0), self.above(OPENING_HEIGHT_M)];
+        let Body { placement, shape, .. } = self.body(base, &ring, heights);
         let (height, width) = (real(OPENING_HEIGHT_M / self.b.geo.metres), real(right.distance(left)));
         let (history, last) = (self.history.clone(), if self.is_old() { "" } else { last });
         let gid = self.global_id("filling");
@@ -147,7 +195,8 @@ impl Writer<'_, '_, '_> {
 
     /// A wall as high as another, of its material.
     fn wall(&mut self, like: u64, (ring, heights): (&[DVec2], [f64; 2]), storey: Option<u64>) {
-        let [placement, shape] = self.body(ring, heights);
+        let base = self.base(storey.unwrap_or(like));
+        let Body { placement, shape, .. } = self.body(base, ring, heights);
         let (history, last) = (self.history.clone(), if self.is_old() { "" } else { ",$" });
         let gid = self.global_id("wall");
         let made = self.add(&format!("IFCWALL('{gid}',{history},'Wall',$,$,#{placement},#{shape},${last})"));

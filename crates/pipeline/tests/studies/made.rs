@@ -53,6 +53,19 @@ fn openings_and_removals_are_written_into_a_building() {
     as_listed("flat.ifc", &["open", "door", "widen", "remove", "close", "rehang", "glaze"]);
 }
 
+/// What is new is placed by what it belongs to: an opening by its wall, a door by its opening, a wall by its storey.
+#[test]
+fn what_is_new_in_a_building_is_placed_by_what_it_belongs_to() {
+    let (bytes, kinds) = of_each_kind("flat.ifc");
+    for kind in ["open", "door", "glaze", "close"] {
+        let made = made("flat.ifc", &bytes, &[kinds[kind].id]).unwrap();
+        let (old, new) = (String::from_utf8_lossy(&bytes), String::from_utf8_lossy(&made.bytes).into_owned());
+        let placed = new.lines().filter(|l| l.contains("=IFCLOCALPLACEMENT(") && !old.contains(*l));
+        let placed: Vec<&str> = placed.collect();
+        assert!(!placed.is_empty() && placed.iter().all(|l| l.contains("PLACEMENT(#")), "{kind}: {placed:?}");
+    }
+}
+
 #[test]
 fn what_a_scene_cannot_hold_is_decided_beside_it() {
     as_listed("flat.glb", &[]);
