@@ -19,6 +19,7 @@ use super::rewrite::changed;
 use super::scene::{File, Shown};
 use super::soup::{Blob, Part, parts, refusal};
 use crate::drawing::{Edit, EntityWork, Filling, Shape};
+use crate::plane::{box_of, is_inside_ring};
 use crate::sizes::{BELOW_FLOOR_M, LEAF_M, OPENING_HEIGHT_M};
 use crate::splice::Splice;
 use enfilade_report::{Error, Place, Report};
@@ -130,6 +131,7 @@ impl<'m> Maker<'m, '_> {
             is_met |= self.cut_out(body, gone, filling)?;
         }
         let like = bodies.first().filter(|_| is_met).ok_or("no wall of its mesh stands there")?;
+        self.clear(gone)?;
         self.filled(like, gone, filling)
     }
 
@@ -227,7 +229,21 @@ impl<'m> Maker<'m, '_> {
         let look = mesh.map_or(Look::default(), |mesh| Look::of(self.scene, mesh));
         let name = (like.layer != SCENE_LAYER).then_some(like.layer.as_str());
         self.build(like, (ring, heights), (name, look));
-        Ok(())
+        self.clear(&ring)
+    }
+
+    /// What hung where something else comes leaves the scene.
+    fn clear(&mut self, ring: &[DVec2; 4]) -> Result<(), Why> {
+        let standing = self.standing;
+        let (floor, head) = (standing.floor, standing.floor + OPENING_HEIGHT_M / standing.metres);
+        let is_opening = |b: &&Body<'_>| ["IfcDoor", "IfcWindow"].contains(&b.layer.as_str());
+        let is_here = |b: &&Body<'_>| {
+            let points = b.triangles.iter().flatten().map(|p| p.truncate());
+            let middle = box_of(points).map(|[lo, hi]| lo.midpoint(hi));
+            b.low < head && b.high > floor && middle.is_some_and(|p| is_inside_ring(ring, p))
+        };
+        let mut hung = standing.bodies.iter().filter(is_opening).filter(is_here);
+        hung.try_for_each(|b| self.leave(b.shown.node))
     }
 
     /// Adds a box beside what it is like.

@@ -154,7 +154,7 @@ fn named_in(base: &Understood, gone: &[Quad]) -> BTreeSet<usize> {
         enfilade_cad::plane::box_of(points).map(|[lo, hi]| base.plan.frame.um_from_plan(lo.midpoint(hi)))
     };
     let goes = |o: &&NamedOpening| middle(o).is_some_and(|p| gone.iter().any(|q| holds(q, p)));
-    base.openings.iter().filter(goes).map(|o| o.record).collect()
+    base.openings.iter().filter(goes).map(|o| o.record).filter(|r| !is_of_wall(base, *r)).collect()
 }
 
 fn add_in_building(out: &mut Written, base: &Understood, walls: &[Wall], work: &Work) -> Result<(), String> {
@@ -212,7 +212,12 @@ fn hung(base: &Understood, work: &Work) -> BTreeSet<usize> {
         let ring: Vec<DVec2> = o.outline.points.iter().map(|p| base.plan.frame.plan_from_um(*p)).collect();
         is_inside_ring(&ring, middle)
     };
-    base.openings.iter().filter(is_there).map(|o| o.record).collect()
+    base.openings.iter().filter(is_there).map(|o| o.record).filter(|r| !is_of_wall(base, *r)).collect()
+}
+
+/// Whether a wall has this record: a door that moves with its wall is no element of its own.
+fn is_of_wall(base: &Understood, record: usize) -> bool {
+    base.plan.walls.iter().any(|w| w.source.record == record)
 }
 
 /// Records of what a drawing shows of the doors that stand where a wall goes or is closed.
