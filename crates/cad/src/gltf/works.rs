@@ -236,7 +236,8 @@ impl<'m> Maker<'m, '_> {
     fn clear(&mut self, ring: &[DVec2; 4]) -> Result<(), Why> {
         let standing = self.standing;
         let (floor, head) = (standing.floor, standing.floor + OPENING_HEIGHT_M / standing.metres);
-        let is_opening = |b: &&Body<'_>| ["IfcDoor", "IfcWindow"].contains(&b.layer.as_str());
+        // Some programs show the voids of walls as bodies: reading takes them out of what stands there.
+        let is_opening = |b: &&Body<'_>| OPENINGS.contains(&b.layer.as_str());
         let is_here = |b: &&Body<'_>| {
             let points = b.triangles.iter().flatten().map(|p| p.truncate());
             let middle = box_of(points).map(|[lo, hi]| lo.midpoint(hi));
@@ -305,6 +306,9 @@ impl<'m> Maker<'m, '_> {
         Ok(Written { splices, append: self.append, blob: self.blob })
     }
 }
+
+/// Layers of what hangs in walls.
+const OPENINGS: [&str; 3] = ["IfcDoor", "IfcWindow", "IfcOpeningElement"];
 
 /// Glass, where a scene has no window.
 const GLASS: &str = r#"{"name":"Glass","pbrMetallicRoughness":{"baseColorFactor":[0.7,0.85,0.95,0.35],"metallicFactor":0},"alphaMode":"BLEND"}"#;

@@ -414,17 +414,19 @@ fn what_is_built_stands_like_its_neighbour() {
     assert_eq!(after.0["nodes"][3]["extras"]["enfilade"]["status"], "demolish", "the leaf goes");
 }
 
+type Change<'c> = &'c dyn Fn(&mut Value);
+
 /// What is packed, or changes its shape, is not cut.
 #[test]
 fn what_cannot_be_cut_is_said() {
-    let refused = |change: &dyn Fn(&mut Value)| {
+    let refused = |change: Change<'_>| {
         let (mut json, data) = house();
         change(&mut json);
         let bytes = glb(&(json, data));
         let result = patch("a.glb", &bytes, &ReadOptions::default(), &[void(0, Filling::Nothing)], &[]);
         result.unwrap_err().to_string()
     };
-    let cases: [(&dyn Fn(&mut Value), &str); 5] = [
+    let cases: [(Change<'_>, &str); 5] = [
         (&|j| j["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 0}]), "changes its shape"),
         (&|j| j["nodes"][0]["skin"] = json!(0), "skeleton"),
         (&|j| j["bufferViews"][0]["extensions"] = json!({"EXT_meshopt_compression": {}}), "packed"),
