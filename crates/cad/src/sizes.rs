@@ -9,6 +9,16 @@ use super::drawing::Unit;
 use super::units::{HEIGHT_BELIEVED_M, implausible_by_heights};
 use crate::units::UNITS;
 
+/// Height of an opening above the floor, metres: that of a door (DIN 18100: 2.125 and less).
+pub(crate) const OPENING_HEIGHT_M: f64 = 2.1;
+
+/// Thickness of a leaf or a pane, metres: that of an inner door (DIN 68706-1: 39 to 42 mm).
+pub(crate) const LEAF_M: f64 = 0.04;
+
+/// How far below the floor of the storey it begins, metres: walls stand on the slab, and floors on a screed on its
+/// insulation (DIN 18560-2: 45 mm and more, on 20 to 50).
+pub(crate) const BELOW_FLOOR_M: f64 = 0.1;
+
 /// An outline whose every inner point lies this near to it is solid.
 pub const SOLID_HALF_WIDTH_M: f64 = 0.5;
 

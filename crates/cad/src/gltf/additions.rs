@@ -2,10 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use base64::Engine;
-
-use super::dangling::{reaches_beyond, taken};
-use super::glb::fault;
+use super::append::{Append, Home, into_scene, joined, quoted};
 use super::json::{Json, Value};
 use super::motion::from_plan;
 use super::scene::File;
@@ -16,23 +13,6 @@ use enfilade_report::Error;
 /// Additions lie this far above the floor, so that it does not hide them.
 const LIFT_M: f64 = 0.02;
 
-/// Items to append to arrays of the root.
-#[derive(Default)]
-struct Append(BTreeMap<&'static str, Vec<String>>);
-
-impl Append {
-    /// Index that the next item of an array gets.
-    fn next(&self, root: &Json, key: &'static str) -> usize {
-        root.list(key).len() + self.0.get(key).map_or(0, Vec::len)
-    }
-
-    fn push(&mut self, root: &Json, key: &'static str, item: String) -> usize {
-        let index = self.next(root, key);
-        self.0.entry(key).or_default().push(item);
-        index
-    }
-}
-
 /// One mesh: corners, colours and indices.
 #[derive(Default)]
 struct Mesh {
@@ -41,14 +21,6 @@ struct Mesh {
     triangles: Vec<u32>,
     lines: Vec<u32>,
     text: Vec<String>,
-}
-
-/// Where the data of our meshes goes: to the end of the binary chunk, else into a buffer of its own as text.
-struct Home {
-    /// Bytes that the binary chunk has.
-    bin: Option<usize>,
-    /// Bytes to append to it.
-    data: Vec<u8>,
 }
 
 /// Splices of the JSON text (counted from its start), and bytes to append to the binary chunk. `floor` is in units of
@@ -63,8 +35,7 @@ pub(super) fn splices(
     own: &[Addition],
 ) -> Result<(Vec<Splice>, Vec<u8>), Error> {
     let root = &scene.json;
-    let bin = scene.bin().map(<[u8]>::len).filter(|n| n % 4 == 0 && !reaches_beyond(root, *n));
-    let mut home = Home { bin, data: Vec::new() };
+    let mut home = Home::new(scene);
     let mut by_layer: BTreeMap<&str, Mesh> = BTreeMap::new();
     for addition in own {
         collect(by_layer.entry(&addition.layer).or_default(), addition, floor + LIFT_M / metres);
@@ -101,40 +72,10 @@ pub(super) fn splices(
         );
         nodes.push(append.push(root, "nodes", node).to_string());
     }
-    for (list, items) in &append.0 {
-        if let Some(index) = taken(root, list, items.len()) {
-            let text = "the scene names it and does not have it, and what is added would take its place";
-            return Err(fault(scene.name, "gltf-dangling", &format!("/{list}/{index}"), text));
-        }
-    }
-    let mut out: Vec<Splice> = append.0.iter().map(|(key, items)| into_array(root, key, items)).collect();
+    let mut out = append.splices(scene)?;
     out.extend(into_scene(root, &nodes));
     out.extend(home.stated(root));
     Ok((joined(out), home.data))
-}
-
-impl Home {
-    /// Takes a mesh's data; the buffer it lies in, and from where on.
-    fn take(&mut self, root: &Json, append: &mut Append, layer: &str, data: &[u8]) -> (usize, usize) {
-        if let Some(bin) = self.bin {
-            self.data.extend_from_slice(data);
-            return (0, bin + self.data.len() - data.len());
-        }
-        let text = base64::engine::general_purpose::STANDARD.encode(data);
-        let buffer = format!(
-            "{{\"name\":{},\"byteLength\":{},\"uri\":\"data:application/octet-stream;base64,{text}\"}}",
-            quoted(layer),
-            data.len()
-        );
-        (append.push(root, "buffers", buffer), 0)
-    }
-
-    /// The new length of the first buffer.
-    fn stated(&self, root: &Json) -> Option<Splice> {
-        let length = self.bin.filter(|_| !self.data.is_empty())? + self.data.len();
-        let old = root.list("buffers").first()?.get("byteLength")?;
-        Some(Splice::new(old.span.clone(), length.to_string()))
-    }
 }
 
 fn collect(mesh: &mut Mesh, addition: &Addition, height: f64) {
@@ -237,57 +178,4 @@ fn add_mesh(
         "meshes",
         format!("{{\"name\":{},\"primitives\":[{}]}}", quoted(layer), primitives.join(",")),
     )
-}
-
-fn quoted(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
-}
-
-/// Puts items at the end of an array of the root; makes the array where there is none.
-fn into_array(root: &Json, key: &str, items: &[String]) -> Splice {
-    match root.get(key) {
-        Some(array) => {
-            let at = array.items().last().map_or(array.span.start + 1, |last| last.span.end);
-            let comma = if array.items().is_empty() { "" } else { "," };
-            Splice::new(at..at, format!("{comma}{}", items.join(",")))
-        }
-        None => {
-            let at = root.span.start + 1;
-            Splice::new(at..at, format!("\"{key}\":[{}],", items.join(",")))
-        }
-    }
-}
-
-/// Shows the nodes in the scene.
-fn into_scene(root: &Json, nodes: &[String]) -> Option<Splice> {
-    let scene = root.list("scenes").get(root.index("scene").unwrap_or(0))?;
-    // In a damaged scene that is none, or whose nodes are no list, nothing can be shown.
-    if !matches!(scene.value, Value::Object(_)) {
-        return None;
-    }
-    Some(match scene.get("nodes") {
-        Some(list) if !matches!(list.value, Value::Array(_)) => return None,
-        Some(list) => {
-            let at = list.items().last().map_or(list.span.start + 1, |last| last.span.end);
-            let comma = if list.items().is_empty() { "" } else { "," };
-            Splice::new(at..at, format!("{comma}{}", nodes.join(",")))
-        }
-        None => {
-            let at = scene.span.start + 1;
-            let comma = if matches!(&scene.value, Value::Object(m) if m.is_empty()) { "" } else { "," };
-            Splice::new(at..at, format!("\"nodes\":[{}]{comma}", nodes.join(",")))
-        }
-    })
-}
-
-/// Splices at one place made one, in their order.
-fn joined(list: Vec<Splice>) -> Vec<Splice> {
-    let mut out: Vec<Splice> = Vec::new();
-    for splice in list {
-        match out.iter_mut().find(|s| s.start == splice.start && s.end == splice.end) {
-            Some(same) => same.with.extend(splice.with),
-            None => out.push(splice),
-        }
-    }
-    out
 }

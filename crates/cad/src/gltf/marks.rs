@@ -36,15 +36,21 @@ pub(super) fn work<'j>(scene: &'j File<'_>, path: &[usize]) -> Option<(&'static 
 
 /// What a node, or what it hangs on, says of when it stands.
 pub(super) fn status(scene: &File<'_>, path: &[usize]) -> Phase {
-    let said = nearest(scene, path, "status").and_then(|(_, v)| match &v.value {
-        Value::Text(text) => Some(text.trim().to_lowercase()),
-        _ => None,
-    });
+    let said = nearest(scene, path, "status").and_then(|(_, v)| word(v));
     match said.as_deref() {
         Some("demolish") => Phase::Demolished,
         Some("new") => Phase::New,
         _ => Phase::Existing,
     }
+}
+
+fn word(json: &Json) -> Option<String> {
+    if let Value::Text(text) = &json.value { Some(text.trim().to_lowercase()) } else { None }
+}
+
+/// Whether what something says of itself is that it was demolished.
+fn is_demolished(told: &Json) -> bool {
+    told.get("status").and_then(word).as_deref() == Some("demolish")
 }
 
 /// Members of what we write on nodes of ours.
@@ -235,7 +241,10 @@ impl Idle {
         let meshes: BTreeSet<usize> = of_scene.iter().filter_map(|n| nodes[*n].index("mesh")).collect();
         let text = "found extras.enfilade where the scene shows nothing; nothing is marked by it";
         for (i, told) in nodes.iter().enumerate().filter_map(|(i, n)| Some((i, teller(n)?))) {
-            if !of_scene.contains(&i) && !own_layers::is_own(nodes[i].text("name").unwrap_or_default()) {
+            // What was demolished hangs in no list any more.
+            let is_gone = is_demolished(told);
+            let is_own = own_layers::is_own(nodes[i].text("name").unwrap_or_default());
+            if !of_scene.contains(&i) && !is_own && !is_gone {
                 self.add(scene.named(i), text.into(), decides(told));
             }
         }
@@ -369,8 +378,8 @@ fn unread(key: &str, value: &Json) -> Option<String> {
         });
     };
     let is_read = match (&value.value, key) {
-        (Value::Text(_), "move" | "name" | "query" | "reference") => true,
-        (Value::Bool(_), "keep" | "query" | "reference") => true,
+        (Value::Text(_), "move" | "name" | "query" | "reference" | "open" | "status") => true,
+        (Value::Bool(_), "keep" | "query" | "reference" | "open" | "remove" | "new") => true,
         // A move that is no text is told where moves are read.
         (_, "move") => true,
         _ => false,

@@ -87,7 +87,7 @@ impl File<'_> {
         Ok(flat.chunks_exact(3).map(|c| DVec3::new(c[0], c[1], c[2])).collect())
     }
 
-    fn indices(&self, accessor: usize) -> Result<Vec<usize>, Why> {
+    pub(super) fn indices(&self, accessor: usize) -> Result<Vec<usize>, Why> {
         let kind = self.json.list("accessors").get(accessor).and_then(|a| a.index("componentType"));
         if let Some(kind) = kind.filter(|k| ![5121, 5123, 5125].contains(k)) {
             let why = format!("has indices of component type {kind}, expected 5121, 5123 or 5125");
@@ -97,7 +97,12 @@ impl File<'_> {
     }
 
     /// All components of an accessor, sparse values put in; normalised where it says so and they may be.
-    fn numbers(&self, accessor: usize, width: usize, may_be_normalised: bool) -> Result<Vec<f64>, Why> {
+    pub(super) fn numbers(
+        &self,
+        accessor: usize,
+        width: usize,
+        may_be_normalised: bool,
+    ) -> Result<Vec<f64>, Why> {
         let pointer = format!("/accessors/{accessor}");
         let why = |text: &str| (pointer.clone(), text.to_string());
         let found = self.json.list("accessors").get(accessor).ok_or_else(|| why("does not exist"))?;
@@ -233,7 +238,7 @@ fn stated(json: &Json, key: &str) -> Result<Option<usize>, String> {
 }
 
 /// Corners of every triangle; points and lines have none.
-fn corners(mode: usize, indices: &[usize]) -> Vec<[usize; 3]> {
+pub(super) fn corners(mode: usize, indices: &[usize]) -> Vec<[usize; 3]> {
     match mode {
         4 => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
         5 => indices.windows(3).map(|c| [c[0], c[1], c[2]]).collect(),

@@ -13,13 +13,20 @@
 //! [`SourceRef::handle`]: crate::drawing::SourceRef::handle
 
 mod additions;
+mod append;
 mod bodies;
 mod body;
+mod boxes;
+mod caps;
+mod clip;
 mod component;
+mod cutter;
 mod dangling;
 mod glb;
+mod heights;
 mod json;
 mod limits;
+mod lists;
 mod marks;
 mod meshes;
 mod motion;
@@ -29,10 +36,13 @@ mod pieces;
 mod primitives;
 mod read;
 mod record;
+mod rewrite;
 mod scene;
+mod soup;
 mod twin;
 mod upright;
 mod values;
+mod works;
 
 pub use bodies::is_global_id;
 pub use glb::is_glb;
@@ -99,6 +109,11 @@ pub fn patch(
     if edits.is_empty() && own.is_empty() {
         return Ok(bytes.to_vec());
     }
+    if edits.iter().any(Edit::is_work) {
+        let (works, moves): (Vec<Edit>, Vec<Edit>) = edits.iter().cloned().partition(Edit::is_work);
+        let moved = patch(file, bytes, options, &moves, &[])?;
+        return patch(file, &with_works(file, &moved, options, &works)?, options, &[], own);
+    }
     let scene = File::open(file, bytes, &options.buffers)?;
     let (shown, _) = scene.shown();
     let mut splices: Vec<Splice> = Vec::new();
@@ -121,12 +136,21 @@ pub fn patch(
             bin.get_or_insert_with(|| scene.bin().unwrap_or_default().to_vec()).extend(data);
         }
     }
-    let json = match scene.chunks.first() {
-        Some(chunk) => &bytes[chunk.span.clone()],
-        None => bytes,
-    };
-    let json = splice::apply(file, "gltf-edit-twice", json, splices)?;
-    Ok(if scene.chunks.is_empty() { json } else { assembled(&scene, json, bin) })
+    written(&scene, splices, bin)
+}
+
+/// The scene with building works made.
+fn with_works(file: &str, bytes: &[u8], options: &ReadOptions, works: &[Edit]) -> Result<Vec<u8>, Error> {
+    let scene = File::open(file, bytes, &options.buffers)?;
+    let (splices, data) = works::made(&scene, options, works)?;
+    let bin = (!data.is_empty()).then(|| [scene.bin().unwrap_or_default(), &data].concat());
+    written(&scene, splices, bin)
+}
+
+/// The bytes with other JSON, and with another binary chunk where it has changed.
+fn written(scene: &File<'_>, splices: Vec<Splice>, bin: Option<Vec<u8>>) -> Result<Vec<u8>, Error> {
+    let json = splice::apply(scene.name, "gltf-edit-twice", scene.text(), splices)?;
+    Ok(if scene.chunks.is_empty() { json } else { assembled(scene, json, bin) })
 }
 
 /// JSON pointer of the element with that [`SourceRef::record`].

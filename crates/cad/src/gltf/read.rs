@@ -358,10 +358,31 @@ pub(super) fn floor_of(
     options: &ReadOptions,
     report: &mut Report,
 ) -> Result<(f64, f64), Error> {
+    standing(scene, shown, options, report).map(|s| (s.floor, s.metres))
+}
+
+/// What stands in a scene.
+pub(super) struct Standing<'f> {
+    /// What it shows.
+    pub bodies: Vec<Body<'f>>,
+    /// Height of the floor that the walls stand on, units of the scene.
+    pub floor: f64,
+    /// Metres in one unit.
+    pub metres: f64,
+}
+
+/// What stands in a scene, as it is read.
+pub(super) fn standing<'f>(
+    scene: &File<'_>,
+    shown: &'f [Shown],
+    options: &ReadOptions,
+    report: &mut Report,
+) -> Result<Standing<'f>, Error> {
     let options = &*twin::taken(scene, shown, options, report);
     let bodies = bodies(scene, shown, options, report).list;
     let scale = Scale::of(&bodies, options);
-    Ok((chosen_floor(scene.name, &bodies, options, &scale, report)?, scale.metres))
+    let floor = chosen_floor(scene.name, &bodies, options, &scale, report)?;
+    Ok(Standing { bodies, floor, metres: scale.metres })
 }
 
 /// Why a wall that should stand at a height shows nothing there: it is flat.

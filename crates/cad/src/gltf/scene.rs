@@ -149,6 +149,14 @@ impl<'a> File<'a> {
         Ok(out)
     }
 
+    /// The text of the JSON.
+    pub fn text(&self) -> &'a [u8] {
+        match self.chunks.first() {
+            Some(chunk) => &self.bytes[chunk.span.clone()],
+            None => self.bytes,
+        }
+    }
+
     fn check(&self) -> Result<(), Error> {
         let version = self.json.get("asset").and_then(|a| a.text("version")).unwrap_or_default();
         if !version.starts_with("2.") && self.odd_version().is_none() {

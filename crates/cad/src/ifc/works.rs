@@ -10,16 +10,9 @@ use super::number::real;
 use super::standing::reach;
 use super::step::Arg;
 use crate::drawing::{Edit, EntityWork, Filling, Shape};
+use crate::sizes::{BELOW_FLOOR_M, LEAF_M, OPENING_HEIGHT_M};
 use crate::step_text::encode;
 use enfilade_report::{Error, Place, Report};
-
-/// Height of an opening above the floor, metres: that of a door (DIN 18100: 2.125 and less).
-const OPENING_HEIGHT_M: f64 = 2.1;
-/// Thickness of a leaf or a pane, metres: that of an inner door (DIN 68706-1: 39 to 42 mm).
-const LEAF_M: f64 = 0.04;
-/// How far below the floor of the storey it begins, metres: walls stand on the slab, and floors on a screed on its
-/// insulation (DIN 18560-2: 45 mm and more, on 20 to 50).
-const BELOW_FLOOR_M: f64 = 0.1;
 
 /// Instances that make the works of some edits; the others are left to their own. The next free number follows.
 ///

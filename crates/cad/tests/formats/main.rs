@@ -9,4 +9,5 @@ mod dxf_corpus;
 mod dxf_hazards;
 mod dxf_patch;
 mod dxf_works;
+mod gltf_works;
 mod support;

@@ -50,7 +50,7 @@ pub(super) fn written(
     match base.plan.format {
         Format::Dxf => in_drawing(base, (drawing, bytes), walls, works),
         Format::Ifc => in_building(base, walls, works),
-        Format::Gltf | Format::Glb => Err("openings are not cut into meshes".into()),
+        Format::Gltf | Format::Glb => in_scene(base, walls, works),
     }
 }
 
@@ -124,6 +124,39 @@ fn in_building(base: &Understood, walls: &[Wall], works: &[&Work]) -> Result<Wri
     Ok(out)
 }
 
+/// As in a building; what hangs where a wall goes or where another opening comes leaves the scene too.
+fn in_scene(base: &Understood, walls: &[Wall], works: &[&Work]) -> Result<Written, String> {
+    let mut out = in_building(base, walls, works)?;
+    let mut dropped: BTreeSet<usize> = out.edits.iter().filter(|e| is_drop(e)).map(Edit::record).collect();
+    for work in works {
+        let left = match work.kind {
+            WorkKind::Remove => named_in(base, &work.change.demolished),
+            WorkKind::Widen => hung(base, work),
+            _ => BTreeSet::new(),
+        };
+        for record in left {
+            if dropped.insert(record) {
+                out.add(record, EntityWork::Drop);
+            }
+        }
+    }
+    Ok(out)
+}
+
+fn is_drop(edit: &Edit) -> bool {
+    matches!(edit, Edit::Work { work: EntityWork::Drop, .. })
+}
+
+/// Records of the doors and windows in what goes.
+fn named_in(base: &Understood, gone: &[Quad]) -> BTreeSet<usize> {
+    let middle = |o: &NamedOpening| {
+        let points = o.outline.points.iter().map(|p| base.plan.frame.plan_from_um(*p));
+        enfilade_cad::plane::box_of(points).map(|[lo, hi]| base.plan.frame.um_from_plan(lo.midpoint(hi)))
+    };
+    let goes = |o: &&NamedOpening| middle(o).is_some_and(|p| gone.iter().any(|q| holds(q, p)));
+    base.openings.iter().filter(goes).map(|o| o.record).filter(|r| !is_of_wall(base, *r)).collect()
+}
+
 fn add_in_building(out: &mut Written, base: &Understood, walls: &[Wall], work: &Work) -> Result<(), String> {
     let (plan, gone, before) = (&base.plan, &work.change.demolished, out.edits.len());
     let records: BTreeSet<usize> = work.walls.iter().flat_map(|w| &walls[w.0].records).copied().collect();
@@ -179,7 +212,12 @@ fn hung(base: &Understood, work: &Work) -> BTreeSet<usize> {
         let ring: Vec<DVec2> = o.outline.points.iter().map(|p| base.plan.frame.plan_from_um(*p)).collect();
         is_inside_ring(&ring, middle)
     };
-    base.openings.iter().filter(is_there).map(|o| o.record).collect()
+    base.openings.iter().filter(is_there).map(|o| o.record).filter(|r| !is_of_wall(base, *r)).collect()
+}
+
+/// Whether a wall has this record: a door that moves with its wall is no element of its own.
+fn is_of_wall(base: &Understood, record: usize) -> bool {
+    base.plan.walls.iter().any(|w| w.source.record == record)
 }
 
 /// Records of what a drawing shows of the doors that stand where a wall goes or is closed.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use base64::Engine;
 use enfilade_config::{Partial, Settings};
 use enfilade_fixtures::sample;
 use enfilade_overlay::works::WorkEntry;
@@ -66,9 +67,118 @@ fn what_is_new_in_a_building_is_placed_by_what_it_belongs_to() {
     }
 }
 
+const OF_SCENES: [&str; 8] = ["open", "door", "widen", "remove", "close", "rehang", "glaze", "end"];
+
+#[test]
+fn works_are_cut_into_a_scene() {
+    as_listed("flat.glb", &OF_SCENES);
+    as_listed("pavilion.glb", &OF_SCENES);
+}
+
+/// JSON and binary data of a scene.
+fn scene(bytes: &[u8]) -> (serde_json::Value, Vec<u8>) {
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    (serde_json::from_slice(&bytes[20..20 + length]).unwrap(), bytes[28 + length..].to_vec())
+}
+
+/// A scene as text, its data embedded.
+fn as_text((mut json, data): (serde_json::Value, Vec<u8>)) -> Vec<u8> {
+    let text = base64::engine::general_purpose::STANDARD.encode(data);
+    json["buffers"][0]["uri"] = format!("data:application/octet-stream;base64,{text}").into();
+    serde_json::to_vec_pretty(&json).unwrap()
+}
+
+/// All walls of the flat in one mesh, which a text does not take apart: the works are cut into it.
+#[test]
+fn works_are_cut_into_one_mesh_of_all_walls() {
+    let (mut json, data) = scene(&std::fs::read(sample("flat.glb")).unwrap());
+    let is_wall = |n: &serde_json::Value| n["name"].as_str().is_some_and(|n| n.starts_with("Wall"));
+    let nodes = json["nodes"].as_array().unwrap().clone();
+    let walls: Vec<usize> = (0..nodes.len()).filter(|i| is_wall(&nodes[*i])).collect();
+    let (joined, bytes) = one_mesh(&json, &data, &walls);
+    json = joined;
+    let text = as_text((json, bytes));
+    let input = Input::new("flat.gltf", &text, 1);
+    let (listed, _) = works_of(&input, &settings(), &Cancel::default()).unwrap();
+    let mut seen = std::collections::BTreeSet::new();
+    for work in listed.result.works.iter().filter(|w| seen.insert(w.kind.clone())) {
+        let made = made("flat.gltf", &text, &[work.id]).unwrap();
+        assert!(made.tables.is_empty(), "{}: {:?}", work.kind, made.report.problems);
+        assert!((made.expected - made.gain).abs() < 1e-3, "{}: {} {}", work.kind, made.expected, made.gain);
+    }
+    assert!(seen.len() >= 6, "{seen:?}");
+}
+
+/// The first of some nodes shows the meshes of all, each where it stands; the others show nothing.
+fn one_mesh(json: &serde_json::Value, data: &[u8], nodes: &[usize]) -> (serde_json::Value, Vec<u8>) {
+    let (mut json, mut data) = (json.clone(), data.to_vec());
+    let mut all = Vec::new();
+    for n in nodes {
+        let node = &json["nodes"][*n];
+        assert!(
+            node.get("rotation").is_none() && node.get("scale").is_none() && node.get("matrix").is_none()
+        );
+        let at = node.get("translation").map_or([0.0; 3], |t| [0, 1, 2].map(|k| t[k].as_f64().unwrap()));
+        let mesh = node["mesh"].as_u64().unwrap() as usize;
+        for mut primitive in json["meshes"][mesh]["primitives"].as_array().unwrap().clone() {
+            let old = primitive["attributes"]["POSITION"].as_u64().unwrap() as usize;
+            let mut accessor = json["accessors"][old].clone();
+            let view = json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize].clone();
+            let of = |v: &serde_json::Value| v["byteOffset"].as_u64().unwrap_or(0) as usize;
+            let (start, count) = (of(&view) + of(&accessor), accessor["count"].as_u64().unwrap() as usize);
+            let moved: Vec<u8> = (0..3 * count)
+                .flat_map(|i| {
+                    let four = data[start + 4 * i..start + 4 * i + 4].try_into().unwrap();
+                    (f64::from(f32::from_le_bytes(four)) + at[i % 3])
+                        .to_string()
+                        .parse::<f32>()
+                        .unwrap()
+                        .to_le_bytes()
+                })
+                .collect();
+            data.resize(data.len().next_multiple_of(4), 0);
+            let new = serde_json::json!({"buffer": 0, "byteOffset": data.len(), "byteLength": moved.len()});
+            data.extend(moved);
+            json["bufferViews"].as_array_mut().unwrap().push(new);
+            for key in ["min", "max"] {
+                let bound = [0, 1, 2].map(|k| accessor[key][k].as_f64().unwrap() + at[k]);
+                accessor[key] = serde_json::json!(bound);
+            }
+            accessor["bufferView"] = (json["bufferViews"].as_array().unwrap().len() - 1).into();
+            accessor["byteOffset"] = 0.into();
+            json["accessors"].as_array_mut().unwrap().push(accessor);
+            primitive["attributes"] =
+                serde_json::json!({"POSITION": json["accessors"].as_array().unwrap().len() - 1});
+            all.push(primitive);
+        }
+    }
+    for n in nodes {
+        json["nodes"][*n].as_object_mut().unwrap().remove("mesh");
+    }
+    let meshes = json["meshes"].as_array_mut().unwrap();
+    meshes.push(serde_json::json!({"name": "walls", "primitives": all}));
+    let index = meshes.len() - 1;
+    json["nodes"][nodes[0]] = serde_json::json!({"name": "walls", "mesh": index});
+    json["buffers"][0]["byteLength"] = data.len().into();
+    (json, data)
+}
+
+/// What is not cut is decided beside the scene, and said.
 #[test]
 fn what_a_scene_cannot_hold_is_decided_beside_it() {
-    as_listed("flat.glb", &[]);
+    let (bytes, kinds) = of_each_kind("flat.glb");
+    let (mut json, data) = scene(&bytes);
+    for mesh in json["meshes"].as_array_mut().unwrap() {
+        let place = mesh["primitives"][0]["attributes"]["POSITION"].clone();
+        mesh["primitives"][0]["targets"] = serde_json::json!([{"POSITION": place}]);
+    }
+    let bytes = as_text((json, data));
+    for kind in ["open", "door", "glaze"] {
+        let made = made("flat.gltf", &bytes, &[kinds[kind].id]).unwrap();
+        assert!(!made.tables.is_empty() && made.bytes == bytes, "{kind}");
+        assert!(made.report.problems.iter().any(|p| p.code == "work-decided"), "{kind}");
+        assert!((made.expected - made.gain).abs() < 1e-3, "{kind}: {} {}", made.expected, made.gain);
+    }
 }
 
 /// What is demolished goes to a layer of its own by one group; its other bytes stay.
