@@ -5,7 +5,9 @@ use crate::job::{Input, Job};
 use crate::works::Listed;
 use crate::write::made::Made;
 use crate::write::maps::Map;
-use enfilade_config::{Allow, Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure};
+use enfilade_config::{
+    Allow, Backend, Colours, Level, Method, Mode, NONE, Overlay, Settings, Thresholds, Unsure,
+};
 use enfilade_overlay::measure::CHANGE;
 use enfilade_overlay::page::{ArchivePoint, ReportInput, View, report_html};
 use enfilade_overlay::result::{RoundResult, Sense};
@@ -139,6 +141,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     }
     if settings.until_converged {
         out.push_str(" --until-converged");
+    }
+    if settings.overlay == Overlay::Attach {
+        out.push_str(" --overlay attach");
     }
     let mut add = |key: &str, value: String| out.push_str(&format!(" --{key} {}", quoted(&value)));
     add("mode", if settings.mode == Mode::Best { "best" } else { "diverse" }.into());
