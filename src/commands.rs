@@ -590,7 +590,8 @@ fn option_of(result: &RoundResult, origin: Origin, number: usize) -> Result<Vec<
     if found.is_some_and(|c| !c.works.is_empty()) {
         let text = format!(
             "option {number} of {origin} has building works, and only moves are pinned or searched near; nothing was done; \
-             accept it, or draw it (EF-OPEN, EF-REMOVE, EF-NEW) to keep it"
+             leave it out of --pin and --like (`pin` and `like` in the side-car); to keep it, accept it or draw it \
+             (EF-OPEN, EF-REMOVE, EF-NEW)"
         );
         return Err(Error::usage("works-option", Place::default(), text));
     }
