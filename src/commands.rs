@@ -694,24 +694,3 @@ fn tell(common: &Common, report: &Report) {
 fn exit_code(report: &Report) -> u8 {
     u8::from(report.is_degraded())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Where nothing may be written beside a drawing, what to do is said; other refusals speak for themselves.
-    #[test]
-    fn an_option_that_cannot_be_written_beside_its_drawing_is_named() {
-        let refused = |kind: std::io::ErrorKind| {
-            let error = store::disk_error("writing", Path::new("/plans/a-r02.dxf"), &kind.into());
-            not_beside(error, Path::new("/elsewhere/a.enfilade")).to_string()
-        };
-        let said = refused(std::io::ErrorKind::ReadOnlyFilesystem);
-        for part in ["/plans/a-r02.dxf", "beside the one it follows", "own file from /elsewhere/a.enfilade"] {
-            assert!(said.contains(part), "{part}: {said}");
-        }
-        let full = refused(std::io::ErrorKind::StorageFull);
-        assert!(full.contains("free some space, or take") && !full.contains("--out"), "{full}");
-        assert!(!refused(std::io::ErrorKind::NotFound).contains("/elsewhere"));
-    }
-}

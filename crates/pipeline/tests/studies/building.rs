@@ -1,9 +1,11 @@
 //! Options that build: made in the drawing, told as they are, taken like any other, and gone on from.
 
+use std::collections::BTreeSet;
 use std::time::Instant;
 
 use enfilade_config::{Beside, Partial, Settings};
 use enfilade_fixtures::sample;
+use enfilade_overlay::built::titles;
 use enfilade_overlay::result::{Candidate, RoundResult};
 use enfilade_overlay::works::{WorkEntry, WorksResult};
 use enfilade_pipeline::accept::{Accepted, Origin, accept};
@@ -181,4 +183,20 @@ fn the_one_option_is_the_best() {
         let [one] = &result.candidates[..] else { panic!("{more}: {:?}", result.candidates) };
         assert!(one.works.len() > 1 && one.gain["degree"].low > 0.2, "{more}: {}", one.words);
     }
+}
+
+/// Rooms of one name: options between them say where they are, and only these.
+#[test]
+fn options_of_one_name_say_where_they_are() {
+    let bytes = std::fs::read(sample("small-office.dxf")).unwrap();
+    let mut text = String::from_utf8(bytes).unwrap();
+    (1..=9).for_each(|n| text = text.replace(&format!("Office {n}"), "Office"));
+    let Outcome { result, .. } = round("plan.dxf", text.as_bytes(), "members = 8\n");
+    let options = building(&result);
+    let names: Vec<String> = options.iter().map(|(_, c)| titles(&c.works)).collect();
+    let once: BTreeSet<&String> = names.iter().collect();
+    assert_eq!(once.len(), names.len(), "{names:?}");
+    let placed: Vec<bool> =
+        options.iter().map(|(_, c)| c.works.iter().all(|w| w.words.ends_with(&w.place_words()))).collect();
+    assert!(placed.contains(&true) && placed.contains(&false), "{names:?}");
 }
