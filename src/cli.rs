@@ -12,7 +12,9 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use crate::output::unsaid;
-pub use choices::{BackendArg, ColoursArg, LevelArg, MethodArg, ModeArg, ThresholdsArg, UnsureArg};
+pub use choices::{
+    BackendArg, ColoursArg, LevelArg, MethodArg, ModeArg, OverlayArg, ThresholdsArg, UnsureArg,
+};
 use enfilade_config::{JOB_SECS, Partial};
 use enfilade_pipeline::resolution;
 use enfilade_report::complain;
@@ -358,6 +360,10 @@ pub struct SearchArgs {
     /// Show an option if it surely gains this much in something that is asked for; 1% by default.
     #[arg(long, value_name = "SHARE")]
     pub least_gain: Option<String>,
+    /// Heat maps, notes and traces: drawn in the drawings of a round on layers of ours, or in a DXF of their own beside
+    /// each, to be attached as a reference [default: drawn].
+    #[arg(long, value_enum)]
+    pub overlay: Option<OverlayArg>,
     /// The bare problem, for comparisons: one lattice, options by the distance of their parameters, nothing stripped,
     /// rounded or confirmed.
     #[arg(long)]
@@ -513,13 +519,16 @@ pub struct AcceptArgs {
     /// The drawing the round was made from.
     pub file: PathBuf,
     /// Option, from 1; `best` (or 0): the best layout found, with all its moves.
-    #[arg(value_name = "N|best", value_parser = option_number)]
-    pub number: usize,
+    #[arg(value_name = "N|best", value_parser = option_number, required_unless_present = "clean")]
+    pub number: Option<usize>,
+    /// Take what is demolished out of the new drawing for good; without an option, out of a copy of this one.
+    #[arg(long)]
+    pub clean: bool,
     /// Round to take it from; the newest by default.
-    #[arg(long, value_name = "N", value_parser = whole::<u32>)]
+    #[arg(long, value_name = "N", requires = "number", value_parser = whole::<u32>)]
     pub round: Option<u32>,
     /// Take it from the best so far of a stopped search, in the folder so-far.
-    #[arg(long, conflicts_with = "round")]
+    #[arg(long, requires = "number", conflicts_with = "round")]
     pub so_far: bool,
     /// Where the results of the drawing are, if not beside it.
     #[arg(long, value_name = "DIR")]
@@ -646,6 +655,7 @@ impl Common {
             budget: s.budget.clone(),
             least_gain: s.least_gain.clone(),
             raw: s.raw.then_some(true),
+            overlay: s.overlay.map(Into::into),
             until_converged: s.until_converged.then_some(true),
             ..Partial::default()
         }

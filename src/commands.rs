@@ -1,5 +1,6 @@
 //! What each command does: reads files, runs the job, stores what it hands out, says how it went.
 
+mod accepting;
 mod batching;
 mod beside;
 mod installing;
@@ -16,7 +17,7 @@ use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Instant;
 
 use crate::cli::{
-    AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ResolutionArgs, RunArgs, SearchArgs,
+    AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ResolutionArgs, RunArgs, SearchArgs,
 };
 use crate::daemon::{self, Asked, Done, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
 use crate::output::{self, print, say};
@@ -24,10 +25,11 @@ use crate::progress::Display;
 use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, led_beside, round_name};
 use crate::watch::MAX_DRAWING_BYTES;
+use accepting::{Accepted, Choice, accept_option};
 pub use beside::settings_for;
-use beside::{beside, read_settings, settings_partial};
+use beside::{read_settings, settings_partial};
 use enfilade_cad::drawing::Format;
-use enfilade_config::{Partial, Settings, settings_files};
+use enfilade_config::{Partial, Settings};
 use enfilade_overlay::measure::{counts_cells, numbers_apart, parts, plain_name, wording};
 use enfilade_overlay::reading::{Headline, QuestionEntry};
 use enfilade_overlay::result::{AnalysisResult, Interval, RESULT_SCHEMA, RoundResult, StoreyEntry, to_json};
@@ -81,7 +83,7 @@ fn carry_out(command: Command, cancel: &Cancel) -> Result<u8, Error> {
         }
         Command::Watch(args) => watching::watch(&args, cancel),
         Command::JobChild { drawing, results } => watching::job_child(&drawing, &results),
-        Command::Accept(args) => accept(&args),
+        Command::Accept(args) => accepting::accept(&args),
         Command::Jobs(args) => batching::jobs(&args),
         Command::RunJob(args) => batching::run_job(&args, cancel),
         Command::Status(args) => watching::status(&args),
@@ -502,31 +504,6 @@ fn ask(questions: &[QuestionEntry]) {
     }
 }
 
-fn accept(args: &AcceptArgs) -> Result<u8, Error> {
-    let asked = if args.so_far { Which::SoFar(None) } else { args.round.map_or(Which::Newest, Which::Round) };
-    let results = results_of(&args.file, args.out.clone())?;
-    let Accepted { of, next, side_car, is_new } =
-        accept_option(&led_beside(&args.file), &results, asked, args.number)?;
-    let what = if args.number == 0 { "the best layout".into() } else { format!("option {}", args.number) };
-    if !is_new {
-        say(&format!("{what} of {of} was accepted before, as {}; nothing was written", next.display()));
-        return Ok(0);
-    }
-    say(&format!("{what} of {of} is now {}", next.display()));
-    say(&format!("its moves, bounds and settings for the next round: {}", side_car.display()));
-    Ok(0)
-}
-
-/// An option that became a drawing.
-struct Accepted {
-    /// What it is an option of: `round 3`.
-    of: String,
-    next: PathBuf,
-    side_car: PathBuf,
-    /// Whether it was not there before.
-    is_new: bool,
-}
-
 /// The result folder of a drawing, wherever the settings have put it.
 fn results_of(file: &Path, out: Option<PathBuf>) -> Result<PathBuf, Error> {
     let said = settings_partial(file, Partial::default())?;
@@ -537,43 +514,6 @@ fn results_of(file: &Path, out: Option<PathBuf>) -> Result<PathBuf, Error> {
         let place = Place::file(file.to_string_lossy());
         Error::usage("no-round", place, "no round yet; `enfilade run` makes one")
     })
-}
-
-/// Makes an option in the folder `results` a new drawing.
-fn accept_option(file: &Path, results: &Path, which: Which, number: usize) -> Result<Accepted, Error> {
-    let (path, bytes) = open(file)?;
-    let (origin, result) = round_result(results, which)?;
-    let accepted = enfilade_pipeline::accept::accept(
-        &Input::new(&path, &bytes, 1),
-        beside(file),
-        &result,
-        origin,
-        number,
-    )?;
-    let store::Revision { path: next, is_new } =
-        store::write_revision(&SystemDisk, &absolute(file), &accepted.drawing)
-            .map_err(|e| not_beside(e, results))?;
-    let side_car = settings_files(&next)[0].clone();
-    // The user may have changed the settings of an option accepted before.
-    if is_new || !side_car.exists() {
-        store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
-    }
-    Ok(Accepted { of: origin.to_string(), next, side_car, is_new })
-}
-
-/// What to do where nothing may be written beside a drawing: results lie elsewhere then, an accepted drawing cannot.
-fn not_beside(error: Error, results: &Path) -> Error {
-    let Some(problem) = error.problem() else { return error };
-    let (why, remedy) = match problem.code {
-        "no-permission" => ("where nothing may be written", "allow it"),
-        store::DISK_FULL => ("where the disk is full", "free some space"),
-        _ => return error,
-    };
-    let text = format!(
-        "an accepted drawing is written beside the one it follows, {why}; {remedy}, or take the option's own file from {}",
-        results.display()
-    );
-    Error::environment(problem.code, problem.place.clone(), text)
 }
 
 /// Which of the results of a drawing are meant.
@@ -650,7 +590,8 @@ fn option_of(result: &RoundResult, origin: Origin, number: usize) -> Result<Vec<
     if found.is_some_and(|c| !c.works.is_empty()) {
         let text = format!(
             "option {number} of {origin} has building works, and only moves are pinned or searched near; nothing was done; \
-             accept it, or draw it (EF-OPEN, EF-REMOVE, EF-NEW) to keep it"
+             leave it out of --pin and --like (`pin` and `like` in the side-car); to keep it, accept it or draw it \
+             (EF-OPEN, EF-REMOVE, EF-NEW)"
         );
         return Err(Error::usage("works-option", Place::default(), text));
     }
@@ -752,25 +693,4 @@ fn tell(common: &Common, report: &Report) {
 
 fn exit_code(report: &Report) -> u8 {
     u8::from(report.is_degraded())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Where nothing may be written beside a drawing, what to do is said; other refusals speak for themselves.
-    #[test]
-    fn an_option_that_cannot_be_written_beside_its_drawing_is_named() {
-        let refused = |kind: std::io::ErrorKind| {
-            let error = store::disk_error("writing", Path::new("/plans/a-r02.dxf"), &kind.into());
-            not_beside(error, Path::new("/elsewhere/a.enfilade")).to_string()
-        };
-        let said = refused(std::io::ErrorKind::ReadOnlyFilesystem);
-        for part in ["/plans/a-r02.dxf", "beside the one it follows", "own file from /elsewhere/a.enfilade"] {
-            assert!(said.contains(part), "{part}: {said}");
-        }
-        let full = refused(std::io::ErrorKind::StorageFull);
-        assert!(full.contains("free some space, or take") && !full.contains("--out"), "{full}");
-        assert!(!refused(std::io::ErrorKind::NotFound).contains("/elsewhere"));
-    }
 }

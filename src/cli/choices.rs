@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 
-use enfilade_config::{Backend, Colours, Level, Method, Mode, Thresholds, Unsure};
+use enfilade_config::{Backend, Colours, Level, Method, Mode, Overlay, Thresholds, Unsure};
 
 macro_rules! choice {
     ($(#[$doc:meta])* $name:ident for $target:ident { $($variant:ident),+ }) => {
@@ -45,4 +45,8 @@ choice!(
 choice!(
     /// See [`Unsure`].
     UnsureArg for Unsure { Ask, Optimise }
+);
+choice!(
+    /// See [`Overlay`].
+    OverlayArg for Overlay { Drawn, Attach }
 );

@@ -53,7 +53,7 @@ fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> R
     let (shown, bytes) = super::open(file)?;
     is_drawing(file, &shown, &bytes)?;
     let settings = super::settings_partial(file, args.common.partial(Some(&args.search)))?;
-    let beside = super::beside(file);
+    let beside = super::beside::beside(file);
     let building = || storeys_of(&shown, &bytes, &settings, &beside);
     let storeys: Vec<Option<String>> = match args.storeys.as_deref() {
         None => vec![settings.storey.clone()],
@@ -145,7 +145,7 @@ fn done(args: &RunJobArgs, cancel: &Cancel) -> Result<Finished, Error> {
         job.out = super::absolute(out);
     }
     let partial = Partial { threads: args.threads, ..job.settings.clone() };
-    let beside = job.beside(|| super::beside(&job.drawing))?;
+    let beside = job.beside(|| super::beside::beside(&job.drawing))?;
     let settings = Settings { beside, ..Settings::new(partial)? };
     let home = job.home()?;
     if let Some(finished) = job.finished(&home) {

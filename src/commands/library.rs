@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Accepted, Which, accept_option, hold, one_round, open, results_of, settings_for};
+use super::{Accepted, Choice, Which, accept_option, hold, one_round, open, results_of, settings_for};
 use crate::daemon::{Asked, Notice};
 use enfilade_config::{Partial, Settings};
 use enfilade_overlay::result::{CheckResult, RoundResult};
@@ -138,7 +138,8 @@ impl Drawing {
     /// [`Error::Environment`] where it cannot be written.
     pub fn accept(&self, round: u32, number: usize, out: Option<PathBuf>) -> Result<NewDrawing, Error> {
         let results = results_of(&self.file, out.or(self.said.out.clone().map(PathBuf::from)))?;
-        let Accepted { next, is_new, .. } = accept_option(&self.file, &results, Which::Round(round), number)?;
+        let choice = Choice { of: Which::Round(round), number, is_clean: false };
+        let Accepted { next, is_new, .. } = accept_option(&self.file, &results, choice)?;
         Ok(NewDrawing { path: next, is_new })
     }
 

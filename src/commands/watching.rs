@@ -7,7 +7,9 @@ use std::time::SystemTime;
 
 use serde_json::Value;
 
-use super::{Which, accept_option, hold, named_folder, output_of, read_settings, round, settings_for};
+use super::{
+    Choice, Which, accept_option, hold, named_folder, output_of, read_settings, round, settings_for,
+};
 use crate::cli::{ProgressArg, StatusArgs, WatchArgs};
 use crate::daemon::child::{self, Limits};
 use crate::daemon::{self, JobEvent, JobRequest, Notice, RunJob, WatchSettings};
@@ -56,7 +58,8 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
             Taken::Round(n) => Which::Round(n),
             Taken::SoFar(n) => Which::SoFar(Some(n)),
         };
-        accept_option(drawing, results, which, number).map(|a| a.next)
+        let choice = Choice { of: which, number, is_clean: false };
+        accept_option(drawing, results, choice).map(|a| a.next)
     };
     let page =
         args.page.map(|port| Page::open(port, login_of(args), orders, Box::new(accepted))).transpose()?;

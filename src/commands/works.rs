@@ -1,14 +1,14 @@
 //! `enfilade works`: what one building work would bring.
 
-use super::beside::read_settings;
+use super::accepting::carry_on;
 use super::limits::Clock;
 use super::{absolute, exit_code, hand_json, open, say, settings_for, tell, write};
 use crate::cli::WorksArgs;
 use crate::store::{self, SystemDisk};
-use enfilade_config::{Partial, Settings, settings_files};
+use enfilade_config::Settings;
 use enfilade_overlay::works::{LEAST_SHOWN, WorksResult};
 use enfilade_pipeline::Input;
-use enfilade_report::{Cancel, Error, Place};
+use enfilade_report::{Cancel, Error};
 
 /// Forbidden works that are listed: what a rule costs.
 const FORBIDDEN_SHOWN: usize = 3;
@@ -49,25 +49,10 @@ fn make(
     })?;
     cancel.check()?;
     clock.is_read();
-    let [own, _] = settings_files(&args.file);
-    let mut beside = read_settings(&own)?.unwrap_or_default();
-    let has_own = beside != Partial::default();
-    beside.works.extend(made.tables.iter().cloned());
     let new = store::write_revision(&SystemDisk, &absolute(&args.file), &made.bytes)?;
-    let side_car = settings_files(&new.path)[0].clone();
-    let is_needed = has_own || !made.tables.is_empty();
-    if is_needed && (new.is_new || !side_car.exists()) {
-        let text = toml::Table::try_from(&beside).and_then(|mut said| {
-            said.retain(|_, value| value.as_array().is_none_or(|list| !list.is_empty()));
-            toml::to_string(&said)
-        });
-        let text = text.map_err(|e| {
-            Error::environment("side-car", Place::file(side_car.to_string_lossy()), e.to_string())
-        })?;
-        store::replace_file(&SystemDisk, &side_car, text.as_bytes())?;
-    }
+    let side_car = carry_on(&args.file, &new, &made.tables)?;
     say(&format!("new drawing: {}", new.path.display()));
-    if is_needed {
+    if let Some(side_car) = side_car {
         say(&format!("its settings: {}", side_car.display()));
     }
     say(&format!("Read again: visibility {} (expected: {}).", percent(made.gain), percent(made.expected)));

@@ -264,13 +264,19 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
     path.extension().is_some_and(|e| endings.iter().any(|ending| e.eq_ignore_ascii_case(ending)))
 }
 
-/// Whether a name is one that we give to drawings inside a round (`candidate-3.dxf`, `initial.dxf`).
+/// Whether a name is one that we give to drawings inside a round (`candidate-3.dxf`, `initial.dxf`), or to notes of theirs
+/// (`candidate-3-notes.dxf`).
 ///
 /// Such a file outside a result folder is left alone only if its content is ours too (hazard 6).
 pub fn is_output_name(path: &Path) -> bool {
     let Some(stem) = path.file_stem().and_then(OsStr::to_str) else { return false };
+    let of_notes = stem.strip_suffix("-notes");
+    let stem = of_notes.unwrap_or(stem);
     let number = stem.strip_prefix("candidate-");
-    stem == "initial" || number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
+    let is_best = stem == "best" && of_notes.is_some();
+    stem == "initial"
+        || is_best
+        || number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
 }
 
 #[cfg(test)]
@@ -349,10 +355,24 @@ mod tests {
 
     #[test]
     fn output_names() {
-        for name in ["candidate-1.dxf", "candidate-12.ifc", "initial.dxf"] {
+        for name in [
+            "candidate-1.dxf",
+            "candidate-12.ifc",
+            "initial.dxf",
+            "candidate-1-notes.dxf",
+            "initial-notes.dxf",
+            "best-notes.dxf",
+        ] {
             assert!(is_output_name(Path::new(name)), "{name}");
         }
-        for name in ["candidate-.dxf", "candidate-1b.dxf", "plan-r02.dxf", "plan2.dxf", "initial-2.dxf"] {
+        for name in [
+            "candidate-.dxf",
+            "candidate-1b.dxf",
+            "plan-r02.dxf",
+            "plan2.dxf",
+            "initial-2.dxf",
+            "plan-notes.dxf",
+        ] {
             assert!(!is_output_name(Path::new(name)), "{name}");
         }
     }

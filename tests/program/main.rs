@@ -4,6 +4,7 @@
 
 mod analyse;
 mod chaos;
+mod cleaning;
 mod cli;
 mod control;
 mod corrections;

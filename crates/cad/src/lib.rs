@@ -278,6 +278,18 @@ pub fn patch(
     }
 }
 
+/// The bytes without what was demolished, and how many entities or elements that was. A scene keeps all.
+///
+/// # Errors
+/// [`Error::Input`] where the bytes are none of their format; nothing is to be written then.
+pub fn without_demolished(file: &str, bytes: &[u8]) -> Result<(Vec<u8>, usize), Error> {
+    match format_of(file, bytes) {
+        Format::Dxf => dxf::without_demolished(file, bytes),
+        Format::Ifc => ifc::without_demolished(file, bytes),
+        Format::Gltf | Format::Glb => Ok((bytes.to_vec(), 0)),
+    }
+}
+
 /// A record that differs, as results name it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Changed {

@@ -103,3 +103,21 @@ pub enum Colours {
     /// The paper's blue to red.
     BlueToRed,
 }
+
+/// Where heat maps, notes and traces of a round are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Overlay {
+    /// In the drawings, on layers of ours.
+    #[default]
+    Drawn,
+    /// In a drawing of their own beside each, to be attached as a reference.
+    Attach,
+}
+
+impl Overlay {
+    /// Whether they are drawn in the drawings.
+    pub fn is_drawn(&self) -> bool {
+        *self == Self::Drawn
+    }
+}

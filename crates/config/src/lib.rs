@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 
 pub use beside::{Beside, Twin};
 pub use budget::Budget;
-pub use choices::{Allow, Colours, Thresholds, Unsure};
+pub use choices::{Allow, Colours, Overlay, Thresholds, Unsure};
 pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
 pub use enfilade_brief::{Measure, Method, Mode, Source};
 use enfilade_report::{Error, Place, counted};
@@ -177,6 +177,7 @@ pub struct Partial {
     pub like: Option<Vec<f64>>,
     pub warm: Option<Vec<Vec<f64>>>,
     pub colours: Option<Colours>,
+    pub overlay: Option<Overlay>,
     pub storey: Option<String>,
     pub query: Option<String>,
     pub accept_missing_eof: Option<bool>,
@@ -294,6 +295,7 @@ impl Partial {
             like: self.like.or(base.like),
             warm: self.warm.or(base.warm),
             colours: self.colours.or(base.colours),
+            overlay: self.overlay.or(base.overlay),
             storey: self.storey.or(base.storey),
             query: self.query.or(base.query),
             accept_missing_eof: self.accept_missing_eof.or(base.accept_missing_eof),
@@ -414,6 +416,9 @@ pub struct Settings {
     pub warm_moves: Vec<KnownMove>,
     /// Colours of heat maps.
     pub colours: Colours,
+    /// Where heat maps, notes and traces are drawn.
+    #[serde(default, skip_serializing_if = "Overlay::is_drawn")]
+    pub overlay: Overlay,
     /// Storey of a building; `None`: the one with most walls.
     #[serde(default)]
     pub storey: Option<String>,
@@ -561,6 +566,7 @@ impl Settings {
             pin_moves: p.pin_moves,
             warm_moves: p.warm_moves,
             colours: p.colours.unwrap_or_default(),
+            overlay: p.overlay.unwrap_or_default(),
             storey: p.storey,
             query: p.query,
             accept_missing_eof: p.accept_missing_eof.unwrap_or(false),

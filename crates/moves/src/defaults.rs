@@ -21,7 +21,7 @@ use enfilade_plan::Plan;
 use enfilade_plan::axes::{AxisGraph, Jamb, NodeKind, OpeningKind};
 use enfilade_plan::fittings::{Fitting, jambs_of};
 use enfilade_plan::graph::Graph;
-use enfilade_plan::markers::{Clause, Group, Kind};
+use enfilade_plan::markers::{Clause, Group, Kind, Markers};
 use enfilade_report::{Place, Report, counted};
 
 /// How far a free-standing element shifts in x and y.
@@ -121,12 +121,12 @@ pub fn groups(
         n => format!("; {n} posts up to {} m stay", (POST_MAX_M * plan.human_scale * 1e4).round() / 1e4),
     };
     let text = match found {
-        (0, 0) if sliding == 0 => nothing_moves(words, &stays) + &standing,
+        (0, 0) if sliding == 0 => nothing_moves(&plan.markers, words, &stays) + &standing,
         (e, d) => format!(
-            "no {}: {} (±{} m) and {} (±{} m along their wall){} \
+            "{}: {} (±{} m) and {} (±{} m along their wall){} \
              were found, {} of them with {} may move (at most {GROUPS_MAX}), none through another \
              wall{}{standing}; {} says it better, {} holds things still",
-            words.moves,
+            plan.markers.unmarked_words(words.moves),
             counted(e as u64, "free-standing element"),
             SHIFT_M * plan.human_scale,
             counted(d as u64, "door gap"),
@@ -155,15 +155,16 @@ fn by_turns(lists: [Vec<(Group, Vec<u32>)>; 3]) -> Vec<(Group, Vec<u32>)> {
 }
 
 /// What to do where nothing moves by default, and why nothing does.
-fn nothing_moves(words: &Marking, stays: &[Stays]) -> String {
+fn nothing_moves(markers: &Markers, words: &Marking, stays: &[Stays]) -> String {
     let why = match told(stays) {
         none if none.is_empty() => "no thick straight wall was found".to_string(),
         told => told,
     };
     format!(
-        "nothing may move, the present layout is measured: {} (no {} in the drawing, no free-standing element or door gap in \
-         it; {why})",
-        words.order, words.moves
+        "nothing may move, the present layout is measured: {} ({}, and no free-standing element or door gap in the \
+         drawing; {why})",
+        words.order,
+        markers.unmarked_words(words.moves)
     )
 }
 

@@ -65,6 +65,16 @@ pub struct OptionWork {
     pub opening: Option<[[f64; 2]; 2]>,
 }
 
+impl OptionWork {
+    /// Where it is, behind its name: `, at 12.3, 4.5 m`, the middle of its stretch.
+    pub fn place_words(&self) -> String {
+        let [x, y] = [0, 1].map(|k| f64::midpoint(self.stretch[0][k], self.stretch[1][k]));
+        // Never −0.
+        let tenth = |v: f64| (v * 10.0).round() / 10.0 + 0.0;
+        format!(", at {:.1}, {:.1} m", tenth(x), tenth(y)).replace('-', "−")
+    }
+}
+
 /// The names of several works in one line: `An opening of 1.8 m between …; a door of 0.9 m in …`.
 pub fn titles(works: &[OptionWork]) -> String {
     let title = |(i, w): (usize, &OptionWork)| {
@@ -84,4 +94,16 @@ pub struct BuiltWall {
     pub ends: [[f64; 2]; 2],
     /// Distance of its faces, 0 for a single line.
     pub thickness_m: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_work_says_where_it_is() {
+        let of = |stretch| OptionWork { stretch, ..OptionWork::default() }.place_words();
+        assert_eq!(of([[1.0, -2.0], [2.5, -2.0]]), ", at 1.8, −2.0 m");
+        assert_eq!(of([[-0.02, 0.0], [0.0, 0.0]]), ", at 0.0, 0.0 m");
+    }
 }

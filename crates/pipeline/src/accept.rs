@@ -276,6 +276,7 @@ fn side_car(
         like: None,
         warm: (!known.is_empty()).then_some(known),
         colours: Some(settings.colours),
+        overlay: Some(settings.overlay),
         storey: settings.storey.clone(),
         query: settings.query.clone(),
         accept_missing_eof: Some(settings.accept_missing_eof),

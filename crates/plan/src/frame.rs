@@ -60,6 +60,15 @@ pub struct Frame {
     pub origin_um: PointUm,
 }
 
+/// What new points are written to, metres: a thousandth of what points are read to.
+const WRITTEN_M: f64 = 1e-9;
+/// Decimals beyond which no number of a drawing says anything.
+const DECIMALS_MAX: f64 = 12.0;
+/// Whole numbers up to this have no gaps: 2^53.
+const WHOLE_MAX: f64 = 9_007_199_254_740_992.0;
+/// Logarithms nearer to a whole number are that number.
+const LOG_NOISE: f64 = 1e-9;
+
 impl Frame {
     /// A frame whose origin lies near the box `[lo, hi]` (drawing units) if that is far away.
     pub fn new(metres_per_unit: f64, box_units: [DVec2; 2]) -> Self {
@@ -81,6 +90,18 @@ impl Frame {
             p[0] as f64 / UM_PER_M / self.metres_per_unit,
             p[1] as f64 / UM_PER_M / self.metres_per_unit,
         )
+    }
+
+    /// A new point, drawing units, as it is written: to a nanometre or the next finer decimal, without the noise of sums.
+    pub fn written(&self, p: DVec2) -> DVec2 {
+        let decimals =
+            ((self.metres_per_unit / WRITTEN_M).log10() - LOG_NOISE).ceil().clamp(0.0, DECIMALS_MAX);
+        let by = 10_f64.powi(decimals as i32);
+        let shortest = |v: f64| {
+            let steps = v * by;
+            if steps.abs() < WHOLE_MAX { steps.round() / by } else { v }
+        };
+        DVec2::new(shortest(p.x), shortest(p.y))
     }
 
     /// Drawing frame to plan frame, metres.
@@ -133,6 +154,25 @@ mod tests {
         {
             assert_eq!(two_digits(exact).to_string(), read);
         }
+    }
+
+    /// One row a case: metres of a unit, what comes of sums, what is written.
+    #[test]
+    fn new_points_are_written_short() {
+        for (unit, sum, written) in [
+            (0.001, 3_299.999_999_999_5, "3300"),
+            (0.001, 0.1 + 0.2, "0.3"),
+            (0.001, 12.345_678_9, "12.345679"),
+            (1.0, 5_400_000.123_456_789, "5400000.123456789"),
+            (1.0, 1.200_000_000_4, "1.2"),
+            (0.0254, 39.370_078_740_157_48, "39.37007874"),
+            (1.0, 1e17, "100000000000000000"),
+        ] {
+            let frame = Frame::new(unit, [DVec2::ZERO; 2]);
+            assert_eq!(frame.written(DVec2::new(sum, -sum)).x.to_string(), written, "{unit} {sum}");
+            assert_eq!(frame.written(DVec2::new(sum, -sum)).y.to_string(), format!("-{written}"));
+        }
+        assert!(Frame::new(1.0, [DVec2::ZERO; 2]).written(DVec2::splat(f64::NAN)).is_nan());
     }
 
     /// What lies beyond whole micrometres ends at their last one.

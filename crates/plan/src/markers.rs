@@ -117,6 +117,15 @@ pub struct Markers {
 }
 
 impl Markers {
+    /// That no mark says what moves: there is none, or those that there are allow works alone; `moves` is what such a mark
+    /// is called in this format.
+    pub fn unmarked_words(&self, moves: &str) -> String {
+        match self.allowed.is_empty() {
+            true => format!("no {moves}"),
+            false => format!("{moves} allows building works and says nothing of moves"),
+        }
+    }
+
     /// The pair of a name (lower case), made where there is none yet.
     pub fn pair(&mut self, name: &str) -> &mut Pair {
         let at = match self.pairs.binary_search_by(|p| p.name.as_str().cmp(name)) {

@@ -93,7 +93,8 @@ impl Editor<'_, '_> {
             return Err(self.fault("it has no place"));
         };
         let at = DVec2::from_angle(motion.turn_rad).rotate(DVec2::new(x, y)) + motion.shift;
-        let turned_deg = number(50)?.unwrap_or(0.0) + motion.turn_rad.to_degrees();
+        let at = DVec2::new(tidy(at.x), tidy(at.y));
+        let turned_deg = tidy(number(50)?.unwrap_or(0.0) + motion.turn_rad.to_degrees());
         self.listen([at])?;
         self.begin("INSERT", self.record, writer);
         self.subclass(self.record, "AcDbBlockReference", writer);
@@ -358,6 +359,12 @@ impl Editor<'_, '_> {
             writer.float(42, v.bulge);
         }
     }
+}
+
+/// A new number without the noise of sums: to a billionth of a drawing unit or of a degree.
+fn tidy(value: f64) -> f64 {
+    const BY: f64 = 1e9;
+    (value * BY).round() / BY
 }
 
 /// Vertices of an LWPOLYLINE; `height` as another one has it, drawing units.

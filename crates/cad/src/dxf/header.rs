@@ -6,6 +6,11 @@ use super::text::CodePage;
 use super::tokens::{Pair, Tokens};
 use crate::drawing::Unit;
 
+/// The code of a unit in `$INSUNITS`; 0 where it has none.
+pub(super) fn code_of(unit: Unit) -> usize {
+    UNITS.iter().position(|u| *u == Some(unit)).unwrap_or(0)
+}
+
 /// Units of `$INSUNITS`, index = code (DXF reference, header variables); 0 is "unitless".
 const UNITS: [Option<Unit>; 25] = {
     const fn unit(name: &'static str, metres: f64) -> Option<Unit> {

@@ -12,8 +12,10 @@
 //! [`SourceRef::record`]: crate::drawing::SourceRef::record
 
 mod additions;
+mod attached;
 mod blocks;
 mod boundary;
+mod clean;
 mod colour;
 mod complete;
 mod curves;
@@ -37,6 +39,8 @@ mod text;
 mod tokens;
 mod written;
 
+pub use attached::sheet;
+pub use clean::without_demolished;
 pub use complete::{Completeness, is_complete};
 pub use limits::*;
 pub use links::{Tied, host_ids, tied};

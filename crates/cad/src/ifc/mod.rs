@@ -14,6 +14,7 @@
 mod additions;
 mod body;
 mod building;
+mod clean;
 mod footprint;
 mod geo;
 mod heights;
@@ -142,6 +143,16 @@ pub struct StaleFigures {
     pub global_id: String,
     /// What they are called.
     pub names: Vec<String>,
+}
+
+/// The building without the elements that are demolished, by their own property sets or those of their type, and how many
+/// those were.
+///
+/// # Errors
+/// [`Error::Input`] where the bytes are no IFC, or one number is given to several instances.
+pub fn without_demolished(file: &str, bytes: &[u8]) -> Result<(Vec<u8>, usize), Error> {
+    let step = open(file, bytes)?;
+    clean::without_demolished(&Building::new(file, &step, None))
 }
 
 /// What edits change beside what they name.

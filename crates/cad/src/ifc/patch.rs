@@ -562,7 +562,7 @@ fn moved_axes(base: &DAffine3, own: &DAffine3, motion: &RigidMotion) -> DAffine3
 }
 
 /// Instances that name others to say how these look, or what their parts are.
-const LABELS: [&str; 5] = [
+pub(super) const LABELS: [&str; 5] = [
     "IFCSHAPEASPECT",
     "IFCSTYLEDITEM",
     "IFCINDEXEDCOLOURMAP",

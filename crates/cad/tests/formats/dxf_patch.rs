@@ -27,7 +27,7 @@ pub(crate) fn ascii(pairs: &Pairs, line_end: &str) -> Vec<u8> {
         .into_bytes()
 }
 
-fn binary(pairs: &Pairs, wide: bool) -> Vec<u8> {
+pub(crate) fn binary(pairs: &Pairs, wide: bool) -> Vec<u8> {
     let mut out = b"AutoCAD Binary DXF\r\n\x1a\0".to_vec();
     for (code, value) in pairs {
         match (wide, *code) {

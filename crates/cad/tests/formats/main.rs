@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
 
+mod cleaned;
 mod dxf_against_ezdxf;
 mod dxf_against_the_dxf_crate;
 mod dxf_blocks;

@@ -140,9 +140,10 @@ pub(crate) fn state_left(
         );
     } else if moves.parameters.is_empty() {
         told.text = format!(
-            "nothing may move, the present layout is measured: no {}, and {} holds all {held} elements, walls and doors that \
+            "nothing may move, the present layout is measured: {}, and {} holds all {held} elements, walls and doors that \
              would move by default",
-            words.moves, words.kept_region
+            plan.markers.unmarked_words(words.moves),
+            words.kept_region
         );
     } else {
         told.text += &format!(

@@ -41,8 +41,10 @@ pub(super) fn parts(
 ) -> Result<Vec<Shape>, String> {
     match &wall.shape {
         Shape::Line { a, b } => {
-            let part =
-                |[from, to]: [f64; 2]| Shape::Line { a: between(*a, *b, from), b: between(*a, *b, to) };
+            let part = |[from, to]: [f64; 2]| Shape::Line {
+                a: between(plan, [*a, *b], from),
+                b: between(plan, [*a, *b], to),
+            };
             Ok(staying(plan, [*a, *b], gone).into_iter().map(part).collect())
         }
         Shape::Polyline { vertices, closed } => {
@@ -80,12 +82,12 @@ fn chains(
         let spans = if v.bulge == 0.0 { staying(plan, [v.at, w.at], gone) } else { whole };
         goes_on &= spans.first().is_some_and(|s| s[0] == 0.0);
         for [from, to] in spans {
-            let start = Vertex { at: between(v.at, w.at, from), bulge: v.bulge };
+            let start = Vertex { at: between(plan, [v.at, w.at], from), bulge: v.bulge };
             match chains.last_mut().and_then(|c| c.last_mut()).filter(|_| goes_on && from == 0.0) {
                 Some(last) => *last = start,
                 None => chains.push(vec![start]),
             }
-            let end = Vertex { at: between(v.at, w.at, to), bulge: 0.0 };
+            let end = Vertex { at: between(plan, [v.at, w.at], to), bulge: 0.0 };
             chains.last_mut().into_iter().for_each(|c| c.push(end));
             goes_on = to == 1.0;
         }
@@ -116,11 +118,11 @@ fn staying(plan: &Plan, [a, b]: [DVec2; 2], gone: &[Quad]) -> Vec<[f64; 2]> {
 }
 
 /// A point of a line by its share of the length; the ends to the bit.
-fn between(a: DVec2, b: DVec2, share: f64) -> DVec2 {
+fn between(plan: &Plan, [a, b]: [DVec2; 2], share: f64) -> DVec2 {
     match share {
         0.0 => a,
         1.0 => b,
-        _ => a + (b - a) * share,
+        _ => plan.frame.written(a + (b - a) * share),
     }
 }
 

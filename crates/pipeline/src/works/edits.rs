@@ -91,7 +91,7 @@ fn in_drawing(
         out.add(record, EntityWork::Drop);
     }
     if let Some(record) = like.filter(|_| !jambs.is_empty()) {
-        let at = |p: PointUm| plan.frame.file_from_um(p);
+        let at = |p: PointUm| plan.frame.written(plan.frame.file_from_um(p));
         let shapes = jambs.iter().map(|s| Shape::Line { a: at(s.a), b: at(s.b) }).collect();
         out.add(record, EntityWork::Build { shapes });
     }
@@ -173,7 +173,7 @@ fn add_in_building(out: &mut Written, base: &Understood, walls: &[Wall], work: &
     }
     if let (Some([a, b]), Some(record)) = (built_axis(base, work), records.first()) {
         let off = (b - a).normalize_or_zero().perp() * (thickness_m(walls, work) / 2.0);
-        let corner = |p: DVec2| Vertex { at: plan.frame.file_from_plan(p), bulge: 0.0 };
+        let corner = |p: DVec2| Vertex { at: plan.frame.written(plan.frame.file_from_plan(p)), bulge: 0.0 };
         let vertices = [a - off, b - off, b + off, a + off].map(corner).to_vec();
         out.add(*record, EntityWork::Build { shapes: vec![Shape::Polyline { vertices, closed: true }] });
         for record in hung(base, work) {
@@ -235,7 +235,7 @@ fn doors(base: &Understood, drawing: &Drawing, work: &Work) -> BTreeSet<usize> {
 }
 
 fn in_file(plan: &Plan, quad: &Quad) -> [DVec2; 4] {
-    quad.map(|p| plan.frame.file_from_um(p))
+    quad.map(|p| plan.frame.written(plan.frame.file_from_um(p)))
 }
 
 /// Outlines of what a work demolishes, with the faces that it had, plan frame: where there was an opening, nothing goes.
@@ -262,7 +262,7 @@ const LEAST_M: f64 = 0.01;
 
 /// What was demolished as an outline.
 fn demolished(plan: &Plan, outline: [DVec2; 4]) -> Addition {
-    let points = outline.map(|p| plan.frame.file_from_plan(p)).to_vec();
+    let points = outline.map(|p| plan.frame.written(plan.frame.file_from_plan(p))).to_vec();
     let mark = Mark::Path { points, closed: true };
     Addition { layer: DEMOLISHED.into(), rgb: DEMOLISHED_RGB, mark }
 }
@@ -293,7 +293,7 @@ pub(super) fn beside(base: &Understood, walls: &[Wall], work: &Work) -> Vec<Work
     });
     let new = built_axis(base, work).map(|axis| WorkTable {
         kind: "new".into(),
-        points: axis.map(|p| plan.frame.file_from_plan(p).into()).to_vec(),
+        points: axis.map(|p| plan.frame.written(plan.frame.file_from_plan(p)).into()).to_vec(),
         text: Some(thickness_m(walls, work) / plan.human_scale)
             .filter(|m| *m > 0.0)
             .map(|m| format!("{m:.3}m")),

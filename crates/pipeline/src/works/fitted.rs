@@ -85,7 +85,8 @@ fn leaf(plan: &Plan, wall: &Wall, work: &Work) -> Option<Vec<Shape>> {
     let side = if work.rooms[0].is_some() { -1.0 } else { 1.0 };
     let into = wall.along.perp() * side;
     let at = hinge + into * (wall.thickness_m / 2.0);
-    let [centre, tip] = [at, at + into * p.distance(q)].map(|x| plan.frame.file_from_plan(x));
+    let [centre, tip] =
+        [at, at + into * p.distance(q)].map(|x| plan.frame.written(plan.frame.file_from_plan(x)));
     let [open, shut] = [into, to_lock].map(|d| d.y.atan2(d.x));
     let is_left = to_lock.perp_dot(into) > 0.0;
     let (start_rad, end_rad) = if is_left { (shut, open) } else { (open, shut) };
@@ -95,6 +96,6 @@ fn leaf(plan: &Plan, wall: &Wall, work: &Work) -> Option<Vec<Shape>> {
 
 /// A pane on the axis of the wall, from jamb to jamb.
 fn pane(plan: &Plan, work: &Work) -> Shape {
-    let [a, b] = work.stretch.map(|p| plan.frame.file_from_plan(p));
+    let [a, b] = work.stretch.map(|p| plan.frame.written(plan.frame.file_from_plan(p)));
     Shape::Line { a, b }
 }

@@ -164,7 +164,19 @@ pub(crate) fn options(
         confirmed::total(objectives, &b.gains).total_cmp(&confirmed::total(objectives, &a.gains))
     });
     out.truncate(wanted);
+    tell_apart(&mut out);
     Ok(out)
+}
+
+/// Says of options with the same name where their works are.
+fn tell_apart(options: &mut [BuildingOption]) {
+    let names: Vec<String> = options.iter().map(|o| o.title.clone()).collect();
+    for option in options.iter_mut() {
+        if names.iter().filter(|n| **n == option.title).count() > 1 {
+            option.works.iter_mut().for_each(|w| w.words += &w.place_words());
+            option.title = titles(&option.works);
+        }
+    }
 }
 
 /// Options that are wanted.

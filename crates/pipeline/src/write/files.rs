@@ -16,7 +16,7 @@ use crate::write::round_result::gains_words;
 use crate::write::show;
 use crate::write::traces::{self, Traces};
 use enfilade_cad::drawing::Addition;
-use enfilade_config::{Measure, PairName, Settings};
+use enfilade_config::{Measure, Overlay, PairName, Settings};
 use enfilade_overlay::additions::heat_layer;
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
 use enfilade_overlay::measure::{CHANGE, sentence_case};
@@ -103,7 +103,8 @@ pub(crate) fn pictures(job: Job<'_>, study: &Study, made: &[&Made]) -> Result<Ve
     files.collect::<Vec<_>>().into_iter().flatten().collect()
 }
 
-/// `initial.dxf` and the candidates: the drawing's own bytes with the moves and our layers.
+/// `initial.dxf` and the candidates: the drawing's own bytes with the moves and our layers; or, where these are to be
+/// attached, without them, and beside each a drawing of its overlays in the same frame and unit.
 pub(crate) fn drawings(
     job: Job<'_>,
     study: &Study,
@@ -164,14 +165,21 @@ pub(crate) fn drawings(
             }
         };
         let mut additions = show::to_drawing_units(&study.base.plan, additions);
+        let is_apart = settings.overlay == Overlay::Attach;
+        let apart = is_apart.then(|| std::mem::take(&mut additions));
         // What was demolished lies in the drawing's own units already.
         let built = of.and_then(|i| made[i].built.as_ref());
         additions.extend(built.into_iter().flat_map(|b| b.additions.iter().cloned()));
         let options = read::read_options(settings);
         let bytes = enfilade_cad::patch(input.file(), &input.bytes, &options, &edits, &additions)?;
-        Ok(OutFile::new(format!("{name}.{}", study.base.plan.format.name()), bytes))
+        let drawing = OutFile::new(format!("{name}.{}", study.base.plan.format.name()), bytes);
+        let notes =
+            apart.map(|notes| enfilade_cad::dxf::sheet(study.base.plan.unit.unit, &notes)).transpose()?;
+        let notes = notes.map(|bytes| OutFile::new(format!("{name}-notes.dxf"), bytes));
+        Ok([Some(drawing), notes].into_iter().flatten().collect::<Vec<_>>())
     });
-    files.collect::<Vec<_>>().into_iter().collect()
+    let files: Vec<Vec<OutFile>> = files.collect::<Vec<_>>().into_iter().collect::<Result<_, Error>>()?;
+    Ok(files.into_iter().flatten().collect())
 }
 
 /// What scenes name as lying beside them, to lie beside these too; what is named as a file of a round is not copied.

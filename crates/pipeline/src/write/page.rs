@@ -6,7 +6,7 @@ use crate::works::Listed;
 use crate::write::made::Made;
 use crate::write::maps::Map;
 use enfilade_config::{
-    Allow, Backend, Budget, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure,
+    Allow, Backend, Budget, Colours, Level, Method, Mode, NONE, Overlay, Settings, Thresholds, Unsure,
 };
 use enfilade_overlay::measure::CHANGE;
 use enfilade_overlay::page::{ArchivePoint, ReportInput, View, report_html};
@@ -144,6 +144,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     }
     if settings.until_converged {
         out.push_str(" --until-converged");
+    }
+    if settings.overlay == Overlay::Attach {
+        out.push_str(" --overlay attach");
     }
     let mut add = |key: &str, value: String| out.push_str(&format!(" --{key} {}", quoted(&value)));
     add("mode", if settings.mode == Mode::Best { "best" } else { "diverse" }.into());

@@ -238,3 +238,19 @@ fn a_number_that_the_list_lacks_is_refused() {
     let twice = kinds["open"].id;
     assert!(matches!(made("flat.dxf", &bytes, &[twice, twice]), Err(Error::Usage(_))));
 }
+
+/// What is demolished is no wall, whether it is still drawn or taken out.
+#[test]
+fn what_is_taken_out_changes_no_measure() {
+    for file in ["flat.dxf", "flat.ifc"] {
+        let (bytes, kinds) = of_each_kind(file);
+        let made = made(file, &bytes, &[kinds["remove"].id]).unwrap().bytes;
+        let (cleaned, count) = enfilade_cad::without_demolished(file, &made).unwrap();
+        assert!(count > 0 && cleaned.len() < made.len(), "{file}");
+        let mean = |bytes: &[u8]| {
+            let input = Input::new(file, bytes, 1);
+            enfilade_pipeline::analyse(&input, &settings(), &Cancel::default()).unwrap().0.result.mean
+        };
+        assert_eq!(mean(&cleaned), mean(&made), "{file}");
+    }
+}
