@@ -159,7 +159,8 @@ pub(super) fn draw_strokes(
     use StrokeKind::{
         Before, Built, Demolished, Door, Doubtful, Fixed, Ignored, Movable, Moved, Opening, Window,
     };
-    let order = [Ignored, Demolished, Doubtful, Opening, Window, Door, Fixed, Movable, Before, Moved, Built];
+    // What goes lies over the filled wall that it is a part of.
+    let order = [Ignored, Doubtful, Opening, Window, Door, Fixed, Movable, Demolished, Before, Moved, Built];
     for kind in order {
         if let Some(look) = look(kind) {
             let of_kind = |s: &&Stroke| s.kind == kind;

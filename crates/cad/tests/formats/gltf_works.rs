@@ -95,7 +95,10 @@ fn glb((json, data): &(Value, Vec<u8>)) -> Vec<u8> {
 }
 
 /// JSON and the data of all buffers.
+///
+/// The `gltf` crate takes it too.
 fn opened(bytes: &[u8], beside: &[u8]) -> (Value, Vec<Vec<u8>>) {
+    gltf::Gltf::from_slice(bytes).unwrap();
     let (text, bin) = if bytes.starts_with(b"glTF") {
         let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
         (&bytes[20..20 + length], &bytes[28 + length..])

@@ -10,5 +10,6 @@ mod dxf_corpus;
 mod dxf_hazards;
 mod dxf_patch;
 mod dxf_works;
+mod gltf_against_the_gltf_crate;
 mod gltf_works;
 mod support;
