@@ -43,7 +43,7 @@ pub fn options(html: &mut Html, result: &RoundResult) {
         }
         html.raw("<td>").text(&trimmed(line.rebuilt_m, 1)).raw("\u{a0}m</td></tr>\n");
     }
-    html.raw("</tbody>\n</table></div>\n<p class=\"note\">Gains with their 95 % intervals, measured again on lattices that the search had not used. ▲ better, ▼ worse than the present layout. Rebuilt: metres of wall that stand elsewhere.</p>\n</section>\n");
+    html.raw("</tbody>\n</table></div>\n<p class=\"note\">Gains with their 95 % intervals, measured again on lattices that the search had not used. ▲ better, ▼ worse than the present layout. Rebuilt: metres of wall that stand elsewhere, are gone or are new.</p>\n</section>\n");
 }
 
 /// Every measure and penalty of every layout.

@@ -18,7 +18,7 @@ pub(super) fn works(html: &mut Html, input: &Fitted<'_>) {
         html.raw("<p>").words(&how).raw("</p>\n");
     }
     if !forbidden.is_empty() {
-        html.raw("<h3>Not offered</h3>\n");
+        html.raw("<h3>What the rules hold back</h3>\n");
         list(html, works, &forbidden, "ul");
     }
     html.element("p", &[], &works.proof()).raw("\n</div>\n<figure>\n");
