@@ -1,5 +1,6 @@
 //! The last stage, from what was found to the files of a round.
 
+pub(crate) mod allowed;
 pub(crate) mod along;
 pub(crate) mod analysis;
 pub(crate) mod asked;
@@ -74,7 +75,11 @@ pub(crate) fn write(
     joints::say_opened(&mut report, input.file(), study, &made);
     doors::say_narrowed(&mut report, input.file(), study, &made);
     overlaps::say_overlaps(&mut report, input.file(), study, settings, &made);
+    allowed::say_allowed(&mut report, input.file(), study, settings, &made);
     leaving::say_leaving(&mut report, input.file(), study, &made);
+    if let Some(held) = found.map(|f| f.held_back.trim()).filter(|h| !h.is_empty()) {
+        report.info("moves-held", Place::file(input.file()), held);
+    }
     if let Some(found) = found {
         told::say_pinned(&mut report, input.file(), &found.explanations);
         if is_firm(settings) && built < made.len() {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::confirm::ideas::{apart, moves_visibly};
 use crate::confirm::refined::{Refined, refined};
-use crate::confirm::{confirmed, explain, nothing};
+use crate::confirm::{confirmed, explain, nothing, withheld};
 use crate::measure::study::Study;
 use crate::search::brief::{Aims, Brief, PENALTY_FREE, is_bare};
 use crate::search::judged::{evaluation, is_firm, pinned};
@@ -33,6 +33,8 @@ pub(crate) struct Found {
     /// Layouts left out because their gain was not confirmed.
     pub(crate) unconfirmed: usize,
     pub(crate) best: Option<FoundBest>,
+    /// What the rules hold back of marked moves, where there are options all the same; empty where nothing.
+    pub(crate) held_back: String,
     /// Why there is no option, where there is none.
     pub(crate) no_option: Option<String>,
     pub(crate) objectives: Vec<Objective>,
@@ -127,8 +129,12 @@ pub(crate) fn found(brief: &Brief<'_>, search: &Search, others: &[enfilade_searc
         }
         FoundBest { member, gains }
     });
+    let has_ended = search.stop_reason().is_some();
+    // Whoever marks a move asks for it: what is not done of it is said.
+    let is_told = has_ended && no_option.is_none() && !brief.study.base.moves.are_default;
     Found {
         explanations: explanations(brief, &shown, &members),
+        held_back: if is_told { withheld::words(brief) } else { String::new() },
         gains: out.gains,
         best,
         alike: out.alike,
@@ -141,7 +147,7 @@ pub(crate) fn found(brief: &Brief<'_>, search: &Search, others: &[enfilade_searc
         threshold_share,
         evaluations: outcome.evaluations,
         stopped_by,
-        has_ended: search.stop_reason().is_some(),
+        has_ended,
         series: series(&outcome, objectives),
         archive: outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values.clone()).collect(),
         members,

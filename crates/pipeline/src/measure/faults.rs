@@ -58,18 +58,26 @@ pub(crate) struct Guards {
 impl Guards {
     /// For the moves of a drawing, its walls as `pieces`.
     pub fn new(base: &Understood, pieces: &[WallPiece], settings: &Settings) -> Self {
-        let Understood { plan, moves, fittings, .. } = base;
         if settings.raw || !is_gated(base, settings) {
             return Self::default();
         }
         let allow = settings.allow;
         let is_stated = settings.limits.iter().any(|l| l.held == Held::Penalty(Penalty::Passage));
+        let mut out = Self::whole(base, pieces);
+        out.joints = out.joints.filter(|_| !allow.open_joints);
+        out.narrow = out.narrow.filter(|_| !allow.narrow_ways && !is_stated);
+        out.things = out.things.filter(|_| !allow.things);
+        out
+    }
+
+    /// All of them.
+    pub fn whole(base: &Understood, pieces: &[WallPiece]) -> Self {
+        let Understood { plan, moves, fittings, .. } = base;
         let drawn = enfilade_penalties::Layout { pieces };
-        let passage = || Passage::new(&drawn, PASSAGE_WIDTH_M * plan.human_scale, None);
         Self {
-            joints: (!allow.open_joints).then(|| Joints::new(plan, moves)),
-            narrow: (!allow.narrow_ways && !is_stated).then(passage),
-            things: (!allow.things).then(|| Struck::new(plan, moves, fittings)),
+            joints: Some(Joints::new(plan, moves)),
+            narrow: Some(Passage::new(&drawn, PASSAGE_WIDTH_M * plan.human_scale, None)),
+            things: Some(Struck::new(plan, moves, fittings)),
         }
     }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::measure::aims;
+use crate::measure::faults::{Faults, Guards};
 use crate::measure::look::{Bench, Look, Pair, SeenOn};
 use crate::measure::parts::{blind, moving_segments};
 use crate::measure::seen::Seen;
@@ -154,6 +155,14 @@ impl Study {
 }
 
 impl Study {
+    /// What a builder would refuse of a layout, allowed or not.
+    pub(crate) fn all_faults(&self, layout: &Layout) -> Faults {
+        let mut pieces = self.pieces.clone();
+        self.place_all(layout, &mut pieces);
+        let guards = Guards::whole(&self.base, &self.pieces);
+        guards.faults(&self.base, layout, &enfilade_penalties::Layout { pieces: &pieces })
+    }
+
     /// The walls that a layout runs through each other, and by how many metres, as the penalty counts them.
     pub fn overlapping(&self, layout: &Layout) -> Vec<([u32; 2], f64)> {
         let mut pieces = self.pieces.clone();

@@ -96,7 +96,7 @@ fn corner_um(lattice: &Lattice, corner: Corner) -> [i64; 2] {
     [at(0), at(1)]
 }
 
-/// The outlines of a set of cells, each one ring: a hole is reached by a cut that leads there and back along one line.
+/// The outlines of a set of cells, each one ring: a hole is reached by a cut that leads there and back on the same way.
 fn outlines(cells: &BTreeSet<Corner>) -> Vec<Vec<Corner>> {
     let (mut outer, holes): (Vec<_>, Vec<_>) = rings(cells).into_iter().partition(|r| doubled_area(r) > 0);
     for hole in holes {
@@ -104,10 +104,12 @@ fn outlines(cells: &BTreeSet<Corner>) -> Vec<Vec<Corner>> {
         let holders = (0..outer.len()).filter(|i| is_round(&outer[*i], at));
         let Some(holder) = holders.min_by_key(|i| doubled_area(&outer[*i])) else { continue };
         let ring = &mut outer[holder];
-        let back = [at, ring[0]];
-        ring.push(ring[0]);
+        // Along the borders of cells: on a slanting cut could lie somebody who is not meant.
+        let start = ring[0];
+        let corner = [start[0], at[1]];
+        ring.extend([start, corner]);
         ring.extend(hole);
-        ring.extend(back);
+        ring.extend([at, corner, start]);
     }
     outer
 }
@@ -191,6 +193,10 @@ mod tests {
         fn outlines_hold_the_cells_and_no_others(cells in proptest::collection::btree_set((0..7_i32, 0..7_i32), 1..45)) {
             let cells: BTreeSet<Corner> = cells.into_iter().map(|(i, j)| [i, j]).collect();
             let outlines = outlines(&cells);
+            // Nobody stands on a line along the borders of cells.
+            let sides = outlines.iter().flat_map(|r| r.iter().zip(r.iter().cycle().skip(1)));
+            let is_straight = |(a, b): (&Corner, &Corner)| a[0] == b[0] || a[1] == b[1];
+            prop_assert!(sides.clone().all(is_straight), "{:?}", outlines);
             for i in -1..8 {
                 for j in -1..8 {
                     let held = outlines.iter().filter(|r| holds(r, [i, j])).count();
