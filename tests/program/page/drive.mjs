@@ -200,17 +200,17 @@ try {
     `the page's own thread worked ${(1000 * worked / gaps.length).toFixed(1)} ms a frame`);
   await check("ten thousand");
   await page.select("#round", "round-01");
-  await page.waitForFunction(() => document.querySelector("#options [role=status]")?.textContent.startsWith("5 of 5"));
+  await page.waitForFunction((w) => document.querySelector("#options [role=status]")?.textContent.startsWith(w), {}, `${all} of ${all}`);
 
   // What a search that goes on has found so far is shown and taken like a round.
   await page.select("#round", "so-far");
   await page.waitForFunction(() => document.querySelector("#round").selectedOptions[0].textContent === "Best so far");
-  await page.waitForFunction(() => document.querySelector("#options [role=status]")?.textContent.startsWith("5 of 5"));
+  await page.waitForFunction((w) => document.querySelector("#options [role=status]")?.textContent.startsWith(w), {}, `${all} of ${all}`);
   await press("#accept-1");
   await said("gallery-r02.dxf");
   assert.ok(sent.at(-1).so_far > 0 && sent.at(-1).candidate === 2 && !("round" in sent.at(-1)), JSON.stringify(sent.at(-1)));
   await page.select("#round", "round-01");
-  await page.waitForFunction(() => document.querySelector("#options [role=status]")?.textContent.startsWith("5 of 5"));
+  await page.waitForFunction((w) => document.querySelector("#options [role=status]")?.textContent.startsWith(w), {}, `${all} of ${all}`);
 
   // Accept, more like one, another round with other thresholds and a pinned option, cancel.
   await press("#accept-0");
