@@ -221,6 +221,8 @@ def side_car(study: Study, plan: Plan, job: Job, handles: Dict[str, str]) -> Dic
         "unit": (wishes.unit or None) if study.drawn else "mm",
         "unsure": "optimise" if study.drawn else None,
         "only-marked": True,
+        # Lines that are marked one by one leave those they meet: that is done, and told of each option.
+        "allow": "open-joints, narrow-ways" if study.drawn else None,
         "objective": wishes.objective_text(),
         "thresholds": "yielding" if wishes.chosen() == [o for o in default_objectives() if o.is_on] else "firm",
         "penalty": wishes.penalty_text(),

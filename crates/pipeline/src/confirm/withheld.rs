@@ -9,6 +9,7 @@ use crate::search::brief::Brief;
 use crate::search::judged::{evaluation, gained};
 use enfilade_config::{Allow, Settings};
 use enfilade_overlay::measure::trimmed;
+use enfilade_overlay::words::listed;
 use enfilade_report::counted;
 
 /// Where in its bounds each move is tried alone, from the lower to the upper.
@@ -24,8 +25,8 @@ enum Rule {
 }
 
 impl Rule {
-    /// The one rule that a layout breaks; `None` where it breaks none, or more than one.
-    fn alone(faults: Faults, crosses: bool) -> Option<Self> {
+    /// The rules that a layout breaks, in their order.
+    fn broken(faults: Faults, crosses: bool) -> Vec<Self> {
         let Faults { opened_m, narrowed_m, struck } = faults;
         let broken = [
             (opened_m > 0.0, Self::Joints),
@@ -33,8 +34,7 @@ impl Rule {
             (narrowed_m > 0.0, Self::Ways),
             (struck > 0, Self::Things),
         ];
-        let mut broken = broken.into_iter().filter(|(is_broken, _)| *is_broken).map(|(_, rule)| rule);
-        broken.next().filter(|_| broken.next().is_none())
+        broken.into_iter().filter(|(is_broken, _)| *is_broken).map(|(_, rule)| rule).collect()
     }
 
     /// What a move would do that breaks it, and the word that permits that.
@@ -70,12 +70,12 @@ struct Held {
 /// Moves of each rule that are measured again: advice that does not help when it is followed is none.
 const TRIED_AGAIN: usize = 2;
 
-/// What each rule alone holds back.
+/// What the rules hold back, by all of them that a move breaks.
 ///
-/// Each move is tried alone on the lattice shown. Counted are those that gain what an option must and break just one of
-/// these rules and nothing else: the word that permits it is then enough. Rules of which the best move does not surely gain
+/// Each move is tried alone on the lattice shown. Counted are those that gain what an option must and break these rules and
+/// nothing else: the words that permit them are then enough. Rules of which the best move does not surely gain
 /// that, measured again on the lattices that options are confirmed on, are left out.
-fn held(brief: &Brief<'_>) -> BTreeMap<Rule, Held> {
+fn held(brief: &Brief<'_>) -> BTreeMap<Vec<Rule>, Held> {
     let Brief { study, settings, objectives, control, .. } = brief;
     let start = control.start();
     let alone = |(i, [lo, hi]): (usize, [f64; 2])| {
@@ -88,7 +88,7 @@ fn held(brief: &Brief<'_>) -> BTreeMap<Rule, Held> {
     };
     let vectors: Vec<Vec<f64>> = control.bounds().into_iter().enumerate().flat_map(alone).collect();
     let crossing = Settings { allow: Allow { crossings: true, ..settings.allow }, ..(*settings).clone() };
-    let mut found: BTreeMap<Rule, Vec<(f64, usize)>> = BTreeMap::new();
+    let mut found: BTreeMap<Vec<Rule>, Vec<(f64, usize)>> = BTreeMap::new();
     for (i, worth) in study.measure_all(&vectors).into_iter().enumerate() {
         let lawful = Worth { faults: Faults::default(), ..worth.clone() };
         let violation = |settings: &Settings| evaluation(study, settings, objectives, &lawful).violation;
@@ -97,11 +97,12 @@ fn held(brief: &Brief<'_>) -> BTreeMap<Rule, Held> {
         if !is_kept_else || gain < settings.least_gain {
             continue;
         }
-        if let Some(rule) = Rule::alone(worth.faults, violation(settings) > 0.0) {
-            found.entry(rule).or_default().push((gain, i));
+        let rules = Rule::broken(worth.faults, violation(settings) > 0.0);
+        if !rules.is_empty() {
+            found.entry(rules).or_default().push((gain, i));
         }
     }
-    let sure = |(rule, mut moves): (Rule, Vec<(f64, usize)>)| {
+    let sure = |(rules, mut moves): (Vec<Rule>, Vec<(f64, usize)>)| {
         moves.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let best: Vec<Vec<f64>> = moves.iter().take(TRIED_AGAIN).map(|m| vectors[m.1].clone()).collect();
         let asked: Vec<&str> =
@@ -109,16 +110,19 @@ fn held(brief: &Brief<'_>) -> BTreeMap<Rule, Held> {
         let again = gains(study, settings, objectives, &best);
         let lows = again.iter().flat_map(|g| asked.iter().filter_map(|name| Some(g.get(*name)?.low)));
         let surely = lows.fold(0.0, f64::max);
-        (surely >= settings.least_gain).then_some((rule, Held { count: moves.len() as u64, surely }))
+        (surely >= settings.least_gain).then_some((rules, Held { count: moves.len() as u64, surely }))
     };
     found.into_iter().filter_map(sure).collect()
 }
 
 /// The same in words, and how many walls of the structure stay.
-fn told(held: &BTreeMap<Rule, Held>, structure: usize) -> String {
+fn told(held: &BTreeMap<Vec<Rule>, Held>, structure: usize) -> String {
     let mut out = String::new();
-    for (rule, Held { count, surely }) in held {
-        let [would, word] = rule.words();
+    for (rules, Held { count, surely }) in held {
+        let [would, words] =
+            [0, 1].map(|k| rules.iter().map(|r| r.words()[k].to_owned()).collect::<Vec<_>>());
+        let (would, word) = (listed(&would, "and"), words.join(", "));
+        let word = if rules.len() > 1 { format!("\"{word}\"") } else { word };
         // Down to the last tenth: what is sure is never rounded up.
         let percent = trimmed((surely * 1e3).floor() / 10.0, 1);
         out += &format!(
@@ -137,19 +141,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_move_counts_for_the_one_rule_that_it_breaks() {
+    fn a_move_counts_for_the_rules_that_it_breaks() {
         let none = Faults::default();
         let cases = [
-            (Faults { opened_m: 0.1, ..none }, false, Some(Rule::Joints)),
-            (none, true, Some(Rule::Crossings)),
-            (Faults { narrowed_m: 0.1, ..none }, false, Some(Rule::Ways)),
-            (Faults { struck: 2, ..none }, false, Some(Rule::Things)),
-            (none, false, None),
-            (Faults { struck: 1, ..none }, true, None),
-            (Faults { opened_m: 0.1, narrowed_m: 0.1, ..none }, false, None),
+            (Faults { opened_m: 0.1, ..none }, false, vec![Rule::Joints]),
+            (none, true, vec![Rule::Crossings]),
+            (Faults { narrowed_m: 0.1, ..none }, false, vec![Rule::Ways]),
+            (Faults { struck: 2, ..none }, false, vec![Rule::Things]),
+            (none, false, vec![]),
+            (Faults { struck: 1, ..none }, true, vec![Rule::Crossings, Rule::Things]),
+            (Faults { opened_m: 0.1, narrowed_m: 0.1, ..none }, false, vec![Rule::Joints, Rule::Ways]),
         ];
-        for (faults, crosses, rule) in cases {
-            assert_eq!(Rule::alone(faults, crosses), rule, "{faults:?} {crosses}");
+        for (faults, crosses, rules) in cases {
+            assert_eq!(Rule::broken(faults, crosses), rules, "{faults:?} {crosses}");
         }
     }
 
@@ -165,7 +169,7 @@ mod tests {
             let [would, word] = rule.words();
             let allow: Allow = word.parse().unwrap();
             assert!(permitted(rule, allow) && allow.to_string() == word, "{rule:?}: {allow}");
-            let said = told(&BTreeMap::from([(rule, Held { count: 7, surely: 0.0399 })]), 0);
+            let said = told(&BTreeMap::from([(vec![rule], Held { count: 7, surely: 0.0399 })]), 0);
             assert!(
                 said.starts_with(" 7 single moves ")
                     && said.contains("surely gains 3.9 %")
@@ -175,8 +179,12 @@ mod tests {
             );
         }
         assert_eq!(told(&BTreeMap::new(), 0), "");
-        let said = told(&BTreeMap::from([(Rule::Ways, Held { count: 1, surely: 0.02 })]), 3);
+        let said = told(&BTreeMap::from([(vec![Rule::Ways], Held { count: 1, surely: 0.02 })]), 3);
         assert!(said.contains(" 1 single move ") && said.contains("stay: 3. `--allow structure`"), "{said}");
         assert!("structure".parse::<Allow>().unwrap().structure);
+        let both = vec![Rule::Joints, Rule::Ways];
+        let said = told(&BTreeMap::from([(both, Held { count: 2, surely: 0.034 })]), 0);
+        assert!(said.contains("would open a joint and leave a way below 0.9 m"), "{said}");
+        assert!(said.contains("`--allow \"open-joints, narrow-ways\"`"), "{said}");
     }
 }
