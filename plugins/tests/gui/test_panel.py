@@ -86,7 +86,7 @@ def test_04b_marks_of_other_storeys_are_listed(window):
 
 def test_04c_what_cannot_be_marked_is_named(window):
     window.ask("house", "Haus")
-    window.wait_for("panel", lambda p: p["document"] == "Haus" and p["storey"] is None, 10)
+    window.wait_for("panel", lambda p: p["document"] == "Haus" and p["storey"] is None, 100)
     window.click(window.ask("tab", 0))
     label = window.ask("draft_line")
     window.ask("select", label)
@@ -98,10 +98,10 @@ def test_04c_what_cannot_be_marked_is_named(window):
 
 def test_05_two_documents_are_never_mixed(window):
     _, first = window.ask("house", "Vorn")
-    window.wait_for("panel", lambda p: p["document"] == first, 10)
+    window.wait_for("panel", lambda p: p["document"] == first, 100)
     _, second = window.ask("house", "Hinten", True)
-    window.wait_for("panel", lambda p: p["front"] == second, 10)
-    window.wait_for("panel", lambda _: window.ask("text", "EnfiladeSwitch") == f"Switch to '{second}'", 10)
+    window.wait_for("panel", lambda p: p["front"] == second, 100)
+    window.wait_for("panel", lambda _: window.ask("text", "EnfiladeSwitch") == f"Switch to '{second}'", 100)
     assert window.ask("panel")["document"] == first, "the panel stays with its document"
 
     # Marked there, run from the other page, whatever view is in front by then.
@@ -117,7 +117,7 @@ def test_05_two_documents_are_never_mixed(window):
     window.ask("set", "EnfiladeEvaluations", 150)
     window.ask("forget_status")
     window.press("EnfiladeRun")
-    panel = window.wait_for("panel", lambda p: p["running"] or p["options"], 20)
+    panel = window.wait_for("panel", lambda p: p["running"] or p["options"], 200)
     assert f"'{first}'" in panel["status"] and panel["front"] == first, panel
     panel = window.wait_for("panel", lambda p: not p["running"], 90)
     assert panel["options"] >= 1 and panel["document"] == first, panel
@@ -133,12 +133,12 @@ def test_05_two_documents_are_never_mixed(window):
     assert status(window).startswith(f"'Q' is in the document '{second}', but the panel works on '{first}'. Nothing was done")
     window.ask("activate", second)
     assert window.ask("marks") == {}
-    window.wait_for("panel", lambda _: window.ask("text", "EnfiladeSwitch"), 10)
+    window.wait_for("panel", lambda _: window.ask("text", "EnfiladeSwitch"), 100)
     window.shot("18-refused-document")
 
     # The offer is taken.
     window.press("EnfiladeSwitch")
-    panel = window.wait_for("panel", lambda p: p["document"] == second, 10)
+    panel = window.wait_for("panel", lambda p: p["document"] == second, 100)
     assert panel["options"] == 0 and panel["front"] == second
     window.press("EnfiladeAllow")
     assert status(window) == "Marked: Q", status(window)
@@ -165,13 +165,13 @@ def test_05b_accept_in_a_document_behind(window):
     assert f"This was in the document '{label}', which is not the one in front." in said
     assert window.ask("undo_of", house) == undo + 1 and window.ask("undo_of", other) == 0
     window.ask("activate", other)
-    window.wait_for("panel", lambda _: window.ask("text", "EnfiladeSwitch"), 10)
+    window.wait_for("panel", lambda _: window.ask("text", "EnfiladeSwitch"), 100)
     window.press("EnfiladeSwitch")
     window.ask("run_command", "Enfilade_Look")
     panel = window.ask("panel")
     assert "There is no study of this document yet" in panel["status"] and panel["options"] == 0
     window.ask("close", other)
-    window.wait_for("panel", lambda p: p["document"] == label, 10)
+    window.wait_for("panel", lambda p: p["document"] == label, 100)
 
 
 def test_06_look_shows_the_newest_round(window):
@@ -186,8 +186,8 @@ def test_07_nothing_is_exported_during_a_run(window):
     window.click(window.ask("tab", 1))
     window.ask("set", "EnfiladeEvaluations", 5_000_000)
     window.press("EnfiladeRun")
-    window.wait_for("panel", lambda p: p["running"], 20)
+    window.wait_for("panel", lambda p: p["running"], 200)
     window.ask("run_command", "Enfilade_Export")
     assert status(window) == "A study is running; stop it first."
     window.press("EnfiladeStop")
-    window.wait_for("panel", lambda p: not p["running"], 60)
+    window.wait_for("panel", lambda p: not p["running"], 600)

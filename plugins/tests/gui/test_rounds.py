@@ -20,7 +20,7 @@ def press_run(window, evaluations=300, members=2):
     window.ask("set", "EnfiladeMembers", members)
     window.ask("forget_status")
     window.press("EnfiladeRun")
-    window.wait_for("panel", lambda p: p["running"] or "Starting" not in p["status"] and p["status"], 20)
+    window.wait_for("panel", lambda p: p["running"] or "Starting" not in p["status"] and p["status"], 200)
 
 
 def run_study(window, *sizes):
@@ -40,7 +40,7 @@ def take(window, row, question):
     undo = window.ask("document")["undo"]
     window.click(window.ask("item", row))
     window.press("EnfiladeAccept")
-    window.wait_for("panel", lambda p: p["status"].startswith("Accepted "), 20)
+    window.wait_for("panel", lambda p: p["status"].startswith("Accepted "), 200)
     after = window.ask(question)
     assert after != before and window.ask("document")["undo"] == undo + 1
     window.click(window.ask("empty"))
@@ -49,8 +49,8 @@ def take(window, row, question):
     assert window.ask(question) == before, "one undo takes all of it back"
     window.click(window.ask("item", row))
     window.press("EnfiladeAccept")
-    window.wait_for("panel", lambda p: p["status"].startswith("Accepted "), 20)
-    assert window.ask(question) == after
+    # The panel says so of the first time already.
+    window.wait_for(question, lambda now: now == after)
 
 
 def within_bounds(window):
@@ -70,7 +70,7 @@ def mark_lines(window, labels, kind):
 
 def test_01_a_house_from_the_first_mark_to_the_second_round(window):
     window.ask("furnished", "Wohnhaus")
-    window.wait_for("panel", lambda p: p["document"] == "Wohnhaus", 10)
+    window.wait_for("panel", lambda p: p["document"] == "Wohnhaus", 100)
     window.click(window.ask("tab", 0))
     window.click(window.ask("point", 4000, 4000))
     tick_only(window, "x")
@@ -84,7 +84,7 @@ def test_01_a_house_from_the_first_mark_to_the_second_round(window):
     # Stopped, and what it had found is shown and can be accepted.
     stop = window.ask("find", "EnfiladeStop")
     press_run(window, 5_000_000)
-    window.wait_for("panel", lambda p: p["overlay"].get("best"), 60)
+    window.wait_for("panel", lambda p: p["overlay"].get("best"), 600)
     # A line of another font may be a pixel or two higher; the mouse still is on the button.
     now = window.ask("find", "EnfiladeStop")
     assert max(abs(a - b) for a, b in zip(now, stop)) <= 4, "no button jumps away from the mouse"
@@ -103,7 +103,7 @@ def test_01_a_house_from_the_first_mark_to_the_second_round(window):
     assert os.path.basename(panel["round"]) == "round-02", panel
     if panel["options"]:
         window.press("EnfiladeAccept")
-        window.wait_for("panel", lambda p: p["status"].startswith("Accepted "), 20)
+        window.wait_for("panel", lambda p: p["status"].startswith("Accepted "), 200)
     assert window.ask("used") and within_bounds(window)
     x = (window.ask("state")["P"][0] + window.ask("state")["P"][2]) / 2
     assert 3500 - 0.1 <= x <= 4500 + 0.1, "two rounds, and the first bounds"
@@ -111,7 +111,7 @@ def test_01_a_house_from_the_first_mark_to_the_second_round(window):
 
 def test_02_a_plan_of_draft_lines(window):
     window.ask("plan", "Skizze")
-    window.wait_for("panel", lambda p: p["document"] == "Skizze", 10)
+    window.wait_for("panel", lambda p: p["document"] == "Skizze", 100)
     window.click(window.ask("tab", 0))
     window.press("EnfiladeAllow")
     assert status(window) == "Nothing selected. Select all lines of a wall in the view."
@@ -120,7 +120,7 @@ def test_02_a_plan_of_draft_lines(window):
     window.shot("22-lines-marked")
     panel = run_study(window)
     assert panel["status"].startswith("Done: ") and panel["options"] >= 1, panel
-    window.wait_for("panel", lambda p: p["overlay"]["heat"] and p["overlay"]["ghost"], 30)
+    window.wait_for("panel", lambda p: p["overlay"]["heat"] and p["overlay"]["ghost"], 300)
     window.shot("23-lines-options")
     take(window, 1, "ends")
     window.shot("24-lines-accepted")
@@ -128,7 +128,7 @@ def test_02_a_plan_of_draft_lines(window):
     assert os.path.basename(panel["round"]) == "round-02", panel
     if panel["options"]:
         window.press("EnfiladeAccept")
-        window.wait_for("panel", lambda p: p["status"].startswith("Accepted "), 20)
+        window.wait_for("panel", lambda p: p["status"].startswith("Accepted "), 200)
     assert window.ask("used") and within_bounds(window)
 
 
@@ -136,11 +136,11 @@ def test_03_an_imported_drawing(window):
     if not os.path.exists(ROOMS):
         pytest.skip("the drawings of shared/data are not here")
     window.ask("imported", ROOMS)
-    window.wait_for("panel", lambda p: p["document"] == "Imported", 10)
+    window.wait_for("panel", lambda p: p["document"] == "Imported", 100)
     mark_lines(window, ["Shape047", "Shape051"], "x")
     panel = run_study(window, 200, 1)
     assert panel["status"].startswith("Done: ") and panel["options"] >= 1, panel
-    window.wait_for("panel", lambda p: p["overlay"]["heat"], 30)
+    window.wait_for("panel", lambda p: p["overlay"]["heat"], 300)
     window.shot("25-imported")
     take(window, 1, "ends")
     assert window.ask("used") and within_bounds(window)
@@ -167,7 +167,7 @@ def opening(kind, words, a, b, **rest):
 
 def test_04_an_option_that_cuts_and_builds(window):
     window.ask("house", "Umbau")
-    window.wait_for("panel", lambda p: p["document"] == "Umbau", 10)
+    window.wait_for("panel", lambda p: p["document"] == "Umbau", 100)
     window.click(window.ask("tab", 0))
     window.click(window.ask("point", 4000, 4000))
     tick_only(window, "x")
@@ -180,11 +180,11 @@ def test_04_an_option_that_cuts_and_builds(window):
     door = opening("door", "A door of 0.9 m between kitchen and hall", 3.6, 4.5, filling="door")
     with_works(panel["round"], [passage, new, door])
     window.ask("run_command", "Enfilade_Look")
-    panel = window.wait_for("panel", lambda p: p["round"].endswith("round-99"), 20)
+    panel = window.wait_for("panel", lambda p: p["round"].endswith("round-99"), 200)
     window.click(window.ask("item", 1))
     words = window.ask("panel")["words"]
     assert words.split("\n") == ["Visibility +8 %.", "• An opening of 1.2 m between kitchen and hall", "• A wall of 3.9 m in kitchen", "• A door of 0.9 m between kitchen and hall"]
-    window.wait_for("panel", lambda p: p["overlay"]["ghost"], 30)
+    window.wait_for("panel", lambda p: p["overlay"]["ghost"], 300)
     window.shot("26-works")
     take(window, 1, "state")
     said = "Accepted option 1: an opening of 1.2 m between kitchen and hall; a wall of 3.9 m in kitchen; a door of 0.9 m"
