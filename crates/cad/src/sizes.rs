@@ -15,7 +15,7 @@ pub(crate) const OPENING_HEIGHT_M: f64 = 2.1;
 /// Thickness of a leaf or a pane, metres: that of an inner door (DIN 68706-1: 39 to 42 mm).
 pub(crate) const LEAF_M: f64 = 0.04;
 
-/// How far below the floor of the storey it begins, metres: walls stand on the slab, and floors on a screed on its
+/// How far below the floor of the storey an opening begins, metres: walls stand on the slab, and floors on a screed on its
 /// insulation (DIN 18560-2: 45 mm and more, on 20 to 50).
 pub(crate) const BELOW_FLOOR_M: f64 = 0.1;
 

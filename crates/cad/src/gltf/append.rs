@@ -86,7 +86,7 @@ pub(super) fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
-/// Puts items at the end of an array of the root; makes the array where there is none.
+/// Puts items at the end of an array of the root; makes the array where it is missing.
 pub(super) fn into_array(root: &Json, key: &str, items: &[String]) -> Splice {
     match root.get(key) {
         Some(array) => {
@@ -104,7 +104,7 @@ pub(super) fn into_array(root: &Json, key: &str, items: &[String]) -> Splice {
 /// Shows the nodes in the scene.
 pub(super) fn into_scene(root: &Json, nodes: &[String]) -> Option<Splice> {
     let scene = root.list("scenes").get(root.index("scene").unwrap_or(0))?;
-    // In a damaged scene that is none, or whose nodes are no list, nothing can be shown.
+    // A damaged scene may be something else, or have nodes that are not a list: nothing can be shown there.
     if !matches!(scene.value, Value::Object(_)) {
         return None;
     }

@@ -198,7 +198,7 @@ impl<'m> Maker<'m, '_> {
         Ok(())
     }
 
-    /// What doors or windows of the scene are made of; glass is seen through where there is none.
+    /// What doors or windows of the scene are made of; a new transparent material for panes where the scene has no window.
     fn look_of(&mut self, layer: &str) -> Look {
         let found = self.standing.bodies.iter().find(|b| b.layer == layer);
         let mesh = found.and_then(|b| self.scene.json.list("nodes").get(b.shown.node)?.index("mesh"));

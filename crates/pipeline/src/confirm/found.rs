@@ -130,7 +130,7 @@ pub(crate) fn found(brief: &Brief<'_>, search: &Search, others: &[enfilade_searc
         FoundBest { member, gains }
     });
     let has_ended = search.stop_reason().is_some();
-    // Whoever marks a move asks for it: what is not done of it is said.
+    // Whoever marks a move asks for it: the report must say why it was not done.
     let is_told = has_ended && no_option.is_none() && !brief.study.base.moves.are_default;
     Found {
         explanations: explanations(brief, &shown, &members),

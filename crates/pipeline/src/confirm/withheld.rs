@@ -73,8 +73,8 @@ const TRIED_AGAIN: usize = 2;
 /// What the rules hold back, by all of them that a move breaks.
 ///
 /// Each move is tried alone on the lattice shown. Counted are those that gain what an option must and break these rules and
-/// nothing else: the words that permit them are then enough. Rules of which the best move does not surely gain
-/// that, measured again on the lattices that options are confirmed on, are left out.
+/// nothing else: the words that permit them are then enough. Measured again on the lattices that options are confirmed on,
+/// rules are left out if their best move does not surely gain that.
 fn held(brief: &Brief<'_>) -> BTreeMap<Vec<Rule>, Held> {
     let Brief { study, settings, objectives, control, .. } = brief;
     let start = control.start();

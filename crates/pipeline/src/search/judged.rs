@@ -103,7 +103,7 @@ pub(crate) fn hidden(study: &Study, settings: &Settings, worth: &Worth) -> Vec<O
 /// Corners that are written to the micrometre and mitred anew may run through each other by so much, metres.
 pub(crate) const CROSSING_FREE_M: f64 = 0.02;
 
-/// By how much walls run through each other only now, metres: such an option is none.
+/// By how much walls run through each other only now, metres. Such a layout is not offered.
 fn crossing_m(study: &Study, settings: &Settings, worth: &Worth) -> f64 {
     if settings.allow.crossings || !is_gated(&study.base, settings) {
         return 0.0;

@@ -50,7 +50,7 @@ fn run(text: &str) -> enfilade_pipeline::Outcome<RoundResult> {
         members: Some(1),
         objective: Some("degree max 0.01".into()),
         penalty: Some("none".into()),
-        // What opens is to be told.
+        // Joints may open here: the report must name them.
         allow: Some("open-joints, crossings, things, narrow-ways".into()),
         ..Partial::default()
     };
