@@ -579,7 +579,12 @@ mod tests {
         let mut moves = Moves::default();
         for (group, (name, reach)) in [("a", 1.0), ("b", 0.5), ("c", 2.0)].into_iter().enumerate() {
             for clause in [clause(Kind::X, [-reach, 1.0]), clause(Kind::Rotate(None), [-0.2, 0.3])] {
-                moves.parameters.push(Parameter { group_name: name.into(), group, clause });
+                moves.parameters.push(Parameter {
+                    group_name: name.into(),
+                    group,
+                    stated: [clause.lower, clause.upper],
+                    clause,
+                });
             }
             moves.groups.push(NodeGroup { nodes: vec![], handles: vec![], slots: vec![] });
         }

@@ -40,6 +40,7 @@ pub mod narrowed;
 mod neighbours;
 pub mod opened;
 mod partitions;
+mod shortened;
 mod sides;
 pub mod sizes;
 mod sliding;
@@ -54,6 +55,7 @@ use glam::DVec2;
 use bars::Moving;
 use joined::Joined;
 use mitre::{Mitre, Refusal, Stuck};
+use shortened::Holding;
 
 use enfilade_cad::drawing::place_in;
 use enfilade_cad::drawing::{Editable, Format, RigidMotion, Shape, Single, Vertex};
@@ -77,6 +79,8 @@ pub struct Parameter {
     pub group: usize,
     /// Transformation and bounds, in the marker's own unit.
     pub clause: Clause,
+    /// The bounds as they were stated, before what stands in the way ended them earlier.
+    pub stated: [f64; 2],
 }
 
 /// A set of nodes that moves together.
@@ -229,42 +233,19 @@ impl Moves {
     ) -> Self {
         let groups = &usable(plan, graph, (groups, records), report);
         let held = held(plan, graph, (groups, records), report);
-        let mut held: Vec<(&Group, NodeGroup)> =
-            held.into_iter().map(|(i, group)| (&groups[i].0, group)).collect();
-        loop {
-            match Self::mitred(plan, graph, axes, &held) {
-                Ok(out) => {
-                    out.mitre.stuck.iter().for_each(|stuck| say_stuck(plan, stuck, report));
-                    return out;
-                }
-                Err(refusal) => {
-                    let (marker, _) = held.remove(refusal.group);
-                    let text = format!(
-                        "group {:?} {} within its bounds; the group stays; narrower bounds or another outline let it move",
-                        marker.name, refusal.why
-                    );
-                    report.warn("move-mitre", place_in(&plan.file, &marker.source), text);
-                }
-            }
-        }
+        let held = held.into_iter().map(|(i, group)| Holding::new(&groups[i].0, group)).collect();
+        let out = shortened::as_far_as_joints_hold((plan, graph, axes), held, report);
+        out.mitre.stuck.iter().for_each(|stuck| say_stuck(plan, stuck, report));
+        out
     }
 
     /// The parametrisation of groups, unless a joint breaks within the bounds of one.
-    fn mitred(
-        plan: &Plan,
-        graph: &Graph,
-        axes: &AxisGraph,
-        groups: &[(&Group, NodeGroup)],
-    ) -> Result<Self, Refusal> {
+    fn mitred(plan: &Plan, graph: &Graph, axes: &AxisGraph, groups: &[Holding]) -> Result<Self, Refusal> {
         let mut out = Self { least_m: MOVE_MIN_M * plan.human_scale, ..Self::default() };
-        for (marker, nodes) in groups {
-            let group = out.groups.len();
-            for clause in &marker.clauses {
-                out.parameters.push(Parameter {
-                    group_name: marker.name.clone(),
-                    group,
-                    clause: clause.clone(),
-                });
+        for (group, Holding { marker, stated, nodes }) in groups.iter().enumerate() {
+            for (clause, stated) in marker.clauses.iter().zip(stated) {
+                let (group_name, clause, stated) = (marker.name.clone(), clause.clone(), *stated);
+                out.parameters.push(Parameter { group_name, group, clause, stated });
             }
             out.groups.push(nodes.clone());
         }

@@ -532,14 +532,19 @@ fn a_joint_follows_the_face_it_stands_on() {
 
 #[test]
 fn a_wall_keeps_something_between_its_joints_and_openings() {
-    for (lower, upper, is_moved) in [(-2.8, 1.1, true), (-2.95, 1.0, false), (-1.0, 1.25, false)] {
+    // 0.1 m remain of the wall that follows, and before the opening in it.
+    let as_far = [(-2.8, 1.1, [-2.8, 1.1]), (-3.2, 1.0, [-2.9, 1.0]), (-1.0, 1.5, [-1.0, 1.2])];
+    for (lower, upper, wanted) in as_far {
         let (_, _, moves, report) = moved_by(&joined(), 1, &[(Kind::X, lower, upper)]);
-        assert_eq!(!moves.parameters.is_empty(), is_moved, "{lower} {upper}");
+        let [[low, high]] = moves.bounds()[..] else { panic!("{report:?}") };
+        assert!((low - wanted[0]).abs() < 0.004 && low >= wanted[0] - 1e-9, "{low} {wanted:?}");
+        assert!((high - wanted[1]).abs() < 0.004 && high <= wanted[1] + 1e-9, "{high} {wanted:?}");
+        assert_eq!(moves.parameters[0].stated, [lower, upper]);
         let said = report
             .problems
             .iter()
-            .any(|p| p.code == "move-mitre" && p.text.contains("less than 0.1 m of the wall"));
-        assert_eq!(said, !is_moved, "{report:?}");
+            .any(|p| p.code == "move-shortened" && p.text.contains("less than 0.1 m of the wall"));
+        assert_eq!(said, wanted != [lower, upper], "{report:?}");
     }
     // What turns takes nobody along.
     let (plan, graph, moves, _) =
@@ -640,12 +645,12 @@ fn no_end_is_drawn_back_behind_a_wall_that_stands_at_it() {
     // Wall 2 ends at wall 1 in a corner; wall 3 stands on the other side of it, 0.7 m from its end.
     let walls = [(1, [8.0, 8.2], [0.0, 3.0]), (2, [0.0, 8.2], [3.0, 3.2]), (3, [7.4, 7.5], [3.2, 10.0])];
     let d = building(&walls);
-    for (lower, is_moved) in [(-0.7, true), (-0.75, false)] {
+    for (lower, is_shorter) in [(-0.7, false), (-0.75, true)] {
         let (_, _, moves, report) = moved_by(&d, 1, &[(Kind::X, lower, 0.5)]);
-        assert_eq!(!moves.parameters.is_empty(), is_moved, "{lower}");
+        assert!((-0.7..-0.69).contains(&moves.bounds()[0][0]), "{:?}", moves.bounds());
         let said =
             |p: &enfilade_report::Problem| p.text.contains("back behind the wall #3 that stands at it");
-        assert_eq!(report.problems.iter().any(said), !is_moved, "{report:?}");
+        assert_eq!(report.problems.iter().any(said), is_shorter, "{report:?}");
     }
     // Both slide by default, each as far as the other leaves it.
     let (plan, _, moves) = by_default(&d);

@@ -33,17 +33,29 @@ impl Passage {
 
     /// The penalty, metres, ≥ 0. `now` lists the pieces of the initial layout in the same order.
     pub fn measure_m(&self, now: &Layout<'_>) -> f64 {
+        let mut sum_m = 0.0;
+        self.for_each_pair(now, |_, missing_m| sum_m += missing_m);
+        sum_m
+    }
+
+    /// What the penalty counts, pair by pair: the two pieces that stand too near, and by how many metres.
+    pub fn pairs_m(&self, now: &Layout<'_>) -> Vec<([usize; 2], f64)> {
+        let mut out = Vec::new();
+        self.for_each_pair(now, |pair, missing_m| out.extend((missing_m > 0.0).then_some((pair, missing_m))));
+        out
+    }
+
+    /// Calls `visit` with every two pieces between which a way may be too narrow, and by how much it is.
+    fn for_each_pair(&self, now: &Layout<'_>, mut visit: impl FnMut([usize; 2], f64)) {
         let boxes: Vec<Aabb> =
             self.moving.iter().map(|&i| Aabb::of_segment(now.pieces[i].ends(), 0.0)).collect();
         let wide: Vec<Aabb> =
             self.moving.iter().map(|&i| Aabb::of_segment(now.pieces[i].ends(), self.width_m / 2.0)).collect();
-        let mut sum_m = 0.0;
+        let mut missing = |i: usize, j: usize| visit([i, j], self.missing_m(now.pieces, i, j));
         for (k, aabb) in boxes.iter().enumerate() {
-            self.fixed_grid
-                .visit(aabb, |f| sum_m += self.missing_m(now.pieces, self.moving[k], self.fixed[f]));
+            self.fixed_grid.visit(aabb, |f| missing(self.moving[k], self.fixed[f]));
         }
-        sweep(&wide, |i, j| sum_m += self.missing_m(now.pieces, self.moving[i], self.moving[j]));
-        sum_m
+        sweep(&wide, |i, j| missing(self.moving[i], self.moving[j]));
     }
 
     fn missing_m(&self, now: &[WallPiece], i: usize, j: usize) -> f64 {

@@ -6,7 +6,6 @@ pub(crate) mod backend;
 pub(crate) mod card;
 pub mod cells;
 pub(crate) mod estimate;
-pub(crate) mod faults;
 pub(crate) mod lattices;
 pub(crate) mod limits;
 pub(crate) mod look;

@@ -5,13 +5,17 @@ pub(crate) mod building;
 pub(crate) mod carrying;
 pub(crate) mod edits;
 pub(crate) mod far;
+pub(crate) mod faults;
 pub(crate) mod fits;
 pub(crate) mod gaps;
 pub(crate) mod idle;
 pub(crate) mod jambs;
 pub(crate) mod marked;
 pub(crate) mod moves;
+pub(crate) mod named;
 pub(crate) mod options;
+pub(crate) mod pieces;
+pub(crate) mod reach;
 pub(crate) mod regions;
 pub(crate) mod rooms;
 pub(crate) mod sensed;
@@ -127,14 +131,14 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         infill: &infill,
     };
     marked::state_idle_keeps(drawing, &plan, report);
-    let moves = moves(drawing, &known, settings, report)?;
+    let (moves, groups) = moves(drawing, &known, settings, report)?;
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
     let labels = labels::labels(&plan, drawing, &fittings);
     let entities = sensed::entities_of_walls(&plan, drawing);
     let (things, spaces) =
         (enfilade_plan::kinds::find_things(drawing, &plan), building::named_spaces(drawing, &plan));
-    let base = Understood {
+    let mut base = Understood {
         plan,
         graph,
         axes,
@@ -153,6 +157,9 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         entities,
         marked,
     };
+    if !groups.is_empty() {
+        base.moves = marked::taken_up(&mut base, &groups, settings, report);
+    }
     gaps::state_closed(&base, report);
     Ok(base)
 }

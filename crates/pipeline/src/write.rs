@@ -19,7 +19,6 @@ pub(crate) mod leaving;
 pub(crate) mod made;
 pub(crate) mod make;
 pub(crate) mod maps;
-pub(crate) mod named;
 pub(crate) mod overlaps;
 pub(crate) mod page;
 pub(crate) mod places;

@@ -72,6 +72,14 @@ pub struct Clause {
     pub si_per_unit: f64,
 }
 
+/// As it is written.
+impl std::fmt::Display for Clause {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+        write!(f, "{} {}{unit} to {}{unit}", self.kind.name(), self.lower, self.upper)
+    }
+}
+
 /// A group of nodes and how they may move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {

@@ -1,10 +1,10 @@
 //! Whether a layout can be offered: what only the file and all its doors say.
 
 use crate::job::Job;
-use crate::measure::faults::is_gated;
 use crate::read;
 use crate::search::brief::Brief;
 use crate::understand::edits::{edits_of, tied};
+use crate::understand::faults::is_gated;
 use enfilade_moves::narrowed::Doors;
 
 /// Whether no joint with a wall that the plan does not show opens, and no door becomes narrower. What the search holds

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use crate::confirm::confirmed::gains;
-use crate::measure::faults::{Faults, is_gated};
 use crate::measure::worth::Worth;
 use crate::search::brief::Brief;
 use crate::search::judged::{evaluation, gained};
+use crate::search::rules::control_as_stated;
+use crate::understand::faults::{Faults, is_gated};
 use enfilade_config::{Allow, Settings};
 use enfilade_overlay::measure::trimmed;
 use enfilade_overlay::words::listed;
@@ -76,7 +77,9 @@ const TRIED_AGAIN: usize = 2;
 /// nothing else: the words that permit them are then enough. Measured again on the lattices that options are confirmed on,
 /// rules are left out if their best move does not surely gain that.
 fn held(brief: &Brief<'_>) -> BTreeMap<Vec<Rule>, Held> {
-    let Brief { study, settings, objectives, control, .. } = brief;
+    let Brief { study, settings, objectives, .. } = brief;
+    // Ways that end at what a rule forbids are tried as far as they were stated.
+    let Ok(control) = control_as_stated(&study.base, settings) else { return BTreeMap::new() };
     let start = control.start();
     let alone = |(i, [lo, hi]): (usize, [f64; 2])| {
         let at = |t: f64| {

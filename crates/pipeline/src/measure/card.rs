@@ -23,7 +23,7 @@ impl Study {
     /// Why it cannot, in words for the report.
     pub fn attach(&mut self, gpu: Arc<Gpu>) -> Result<(), String> {
         let identity = self.base.moves.apply(&self.base.plan, &self.base.graph, &self.base.moves.identity());
-        let segments = moving_segments(&self.base, &identity, &self.piece_moves);
+        let segments = moving_segments(&self.base, &identity, &self.pieces.moves);
         let moving: Vec<Obstacles> =
             self.looks.iter().map(|look| self.moving(look, &identity, &segments)).collect();
         for (look, moving) in self.looks.iter_mut().zip(&moving) {
@@ -53,7 +53,7 @@ impl Study {
     fn measure_on_card(&self, ps: &[Vec<f64>]) -> Result<Vec<Worth>, String> {
         let laid_out = |p: &Vec<f64>| {
             let layout = self.base.moves.apply(&self.base.plan, &self.base.graph, p);
-            let segments = moving_segments(&self.base, &layout, &self.piece_moves);
+            let segments = moving_segments(&self.base, &layout, &self.pieces.moves);
             (layout, segments)
         };
         let layouts: Vec<(Layout, Vec<Segment>)> = ps.par_iter().map(laid_out).collect();
@@ -73,7 +73,7 @@ impl Study {
         }
         let worth = |((layout, _), seen): (&(Layout, Vec<Segment>), Vec<SeenOn>)| {
             self.with_bench(|bench| {
-                self.place_all(layout, &mut bench.pieces);
+                self.pieces.place(&self.base, layout, &mut bench.pieces);
                 self.worth(seen, &bench.pieces, layout)
             })
         };

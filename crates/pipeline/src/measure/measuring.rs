@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::measure::aims;
-use crate::measure::faults::{Faults, Guards};
 use crate::measure::look::{Bench, Look, Pair, SeenOn};
 use crate::measure::parts::{blind, moving_segments};
 use crate::measure::seen::Seen;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
+use crate::understand::faults::{Faults, Guards};
 use enfilade_config::{Aim, PairName};
 use enfilade_engine::evaluator::Scratch;
 use enfilade_engine::geometry::Segment;
@@ -18,18 +18,20 @@ use enfilade_engine::measures::Means;
 use enfilade_engine::{Obstacles, Tally};
 use enfilade_moves::Layout;
 use enfilade_penalties::{WallPiece, disconnection};
-use enfilade_plan::curve::{Trace, trace_like};
 
 impl Study {
     /// Memory for one thread.
     pub fn bench(&self) -> Bench {
-        Bench { scratches: self.looks.iter().map(Look::scratches).collect(), pieces: self.pieces.clone() }
+        Bench {
+            scratches: self.looks.iter().map(Look::scratches).collect(),
+            pieces: self.pieces.drawn.clone(),
+        }
     }
 
     /// Measures the layout of one parameter vector.
     pub fn measure(&self, p: &[f64], bench: &mut Bench) -> Worth {
         let layout = self.base.moves.apply(&self.base.plan, &self.base.graph, p);
-        let segments = moving_segments(&self.base, &layout, &self.piece_moves);
+        let segments = moving_segments(&self.base, &layout, &self.pieces.moves);
         let looks = self.looks.par_iter().zip(&mut bench.scratches);
         let seen = looks.map(|(look, scratches)| {
             let moving = self.moving(look, &layout, &segments);
@@ -37,7 +39,7 @@ impl Study {
             self.all_seen(look, &layout, tally, &moving, &mut scratches.pairs)
         });
         let seen = seen.collect();
-        self.place_all(&layout, &mut bench.pieces);
+        self.pieces.place(&self.base, &layout, &mut bench.pieces);
         self.worth(seen, &bench.pieces, &layout)
     }
 
@@ -46,21 +48,6 @@ impl Study {
         Obstacles {
             blind: blind(&self.base, layout, &look.main.cells, segments),
             segments: segments.to_vec(),
-        }
-    }
-
-    pub(crate) fn place_all(&self, layout: &Layout, pieces: &mut [WallPiece]) {
-        for (moved, range) in layout.walls.iter().zip(&self.piece_ranges) {
-            let initial = &self.base.plan.walls[moved.wall as usize].trace;
-            let trace = trace_like(&moved.shape, initial, &self.base.plan.frame);
-            self.place(&mut pieces[range.0..range.1], &trace);
-        }
-    }
-
-    pub(crate) fn place(&self, pieces: &mut [WallPiece], trace: &Trace) {
-        for (piece, (_, _, s)) in pieces.iter_mut().zip(trace.segments()) {
-            piece.a = self.base.plan.frame.plan_from_um(s.a);
-            piece.b = self.base.plan.frame.plan_from_um(s.b);
         }
     }
 
@@ -157,22 +144,17 @@ impl Study {
 impl Study {
     /// What a builder would refuse of a layout, allowed or not.
     pub(crate) fn all_faults(&self, layout: &Layout) -> Faults {
-        let mut pieces = self.pieces.clone();
-        self.place_all(layout, &mut pieces);
-        let guards = Guards::whole(&self.base, &self.pieces);
+        let pieces = self.pieces.placed(&self.base, layout);
+        let guards = Guards::whole(&self.base, &self.pieces.drawn);
         guards.faults(&self.base, layout, &enfilade_penalties::Layout { pieces: &pieces })
     }
 
     /// The walls that a layout runs through each other, and by how many metres, as the penalty counts them.
     pub fn overlapping(&self, layout: &Layout) -> Vec<([u32; 2], f64)> {
-        let mut pieces = self.pieces.clone();
-        self.place_all(layout, &mut pieces);
-        let walls = self.base.plan.walls.iter().enumerate();
-        let of_piece: Vec<u32> =
-            walls.flat_map(|(w, wall)| wall.trace.segments().map(move |_| w as u32)).collect();
+        let pieces = self.pieces.placed(&self.base, layout);
         let mut out: BTreeMap<[u32; 2], f64> = BTreeMap::new();
         for (pair, by_m) in self.overlap.pairs_m(&enfilade_penalties::Layout { pieces: &pieces }) {
-            *out.entry(pair.map(|p| of_piece[p])).or_default() += by_m;
+            *out.entry(pair.map(|p| self.pieces.walls[p])).or_default() += by_m;
         }
         out.into_iter().collect()
     }

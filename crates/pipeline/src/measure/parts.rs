@@ -1,7 +1,8 @@
 //! What of a study's walls stays and what moves, piece by piece.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
+use crate::understand::pieces::pieces_of;
 use crate::understand::understood::{Understood, closed_that_stay};
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::Shape;
@@ -11,19 +12,6 @@ use enfilade_moves::Layout;
 use enfilade_plan::axes::FaceRef;
 use enfilade_plan::curve::Trace;
 use enfilade_plan::structure;
-
-/// For every moving wall and control point: whether the piece that starts there moves.
-pub(crate) fn piece_moves(base: &Understood) -> Vec<Vec<bool>> {
-    let mut moving = vec![BTreeSet::new(); base.plan.walls.len()];
-    for (w, c) in base.moves.handles() {
-        moving[*w as usize].insert(*c);
-    }
-    let of_wall = |w: &u32| {
-        let (n, set) = (base.graph.control_nodes[*w as usize].len() as u32, &moving[*w as usize]);
-        (0..n).map(|c| set.contains(&c) || set.contains(&((c + 1) % n))).collect()
-    };
-    base.moves.walls.iter().map(of_wall).collect()
-}
 
 /// Sight-blocking pieces and solid outlines that cannot move.
 pub(crate) fn fixed_parts(base: &Understood, piece_moves: &[Vec<bool>]) -> (Vec<Segment>, Vec<Vec<PointUm>>) {
@@ -47,20 +35,6 @@ pub(crate) fn fixed_parts(base: &Understood, piece_moves: &[Vec<bool>]) -> (Vec<
     };
     solids.extend(structure::footprints(&base.plan, &base.axes, stays));
     (segments, solids)
-}
-
-/// The pieces of a trace, each with the control point it starts from and whether it moves.
-pub(crate) fn pieces_of<'a>(
-    trace: &'a Trace,
-    moving: Option<&'a Vec<bool>>,
-) -> impl Iterator<Item = (Segment, u32, bool)> + 'a {
-    let mut control = 0u32;
-    trace.segments().map(move |(i, _, s)| {
-        if let Some(c) = trace.control[i] {
-            control = c;
-        }
-        (s, control, moving.is_some_and(|m| m.get(control as usize).copied().unwrap_or(true)))
-    })
 }
 
 /// Sight-blocking pieces that move, as they stand in a layout.

@@ -5,12 +5,13 @@ use std::sync::{Arc, Mutex, OnceLock};
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::measure::faults::{Guards, PASSAGE_WIDTH_M};
 use crate::measure::look::{Bench, Look, SeenOn, state_asked};
-use crate::measure::parts::{blind, fixed_parts, moving_segments, piece_moves, pieces_of, stopping};
+use crate::measure::parts::{blind, fixed_parts, moving_segments, stopping};
 use crate::measure::seen::Scene;
 use crate::measure::worth::Worth;
 use crate::measure::{aims, spacing};
+use crate::understand::faults::{Guards, PASSAGE_WIDTH_M};
+use crate::understand::pieces::Pieces;
 use crate::understand::regions::state_interior;
 use crate::understand::understood::Understood;
 use enfilade_config::{Aggregate, Aim, Measure, PairName, Settings};
@@ -22,7 +23,7 @@ use enfilade_moves::Layout;
 use enfilade_penalties::{Alignment, Clearance, Overlap, Passage, RoomArea, WallLength, WallPiece};
 use enfilade_plan::axes::Opening;
 use enfilade_plan::outline::SOLID_ACROSS_M;
-use enfilade_plan::{Plan, markers, structure};
+use enfilade_plan::{Plan, markers};
 use enfilade_report::{Error, Place, Report};
 
 pub use crate::measure::look::LatticeAt;
@@ -58,11 +59,7 @@ pub struct Study {
     pub(super) confirming: OnceLock<[Vec<Study>; 2]>,
     /// Memory of threads that do not measure at the moment.
     pub(super) benches: Mutex<Vec<Bench>>,
-    /// Moves with their control points: whether the piece that starts at a control point moves.
-    pub(super) piece_moves: Vec<Vec<bool>>,
-    pub(super) pieces: Vec<WallPiece>,
-    /// For every moving wall the range of its pieces in `pieces`.
-    pub(super) piece_ranges: Vec<(usize, usize)>,
+    pub(super) pieces: Pieces,
     pub(super) guards: Guards,
     pub(super) clearance: Clearance,
     pub(super) wall_length: WallLength,
@@ -133,10 +130,10 @@ impl Study {
         (use_for, unit_m): (Use, f64),
         report: &mut Report,
     ) -> Result<Self, Error> {
-        let piece_moves = piece_moves(&base);
-        let (fixed, fixed_solids) = fixed_parts(&base, &piece_moves);
+        let pieces = Pieces::new(&base);
+        let (fixed, fixed_solids) = fixed_parts(&base, &pieces.moves);
         let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
-        let movable = moving_segments(&base, &identity, &piece_moves);
+        let movable = moving_segments(&base, &identity, &pieces.moves);
         let seeds_um: Vec<PointUm> =
             settings.seed_points.iter().map(|p| base.plan.frame.um_from_file(DVec2::from(*p))).collect();
         let seed_names: Vec<String> =
@@ -170,8 +167,7 @@ impl Study {
         spacing::state(&base, settings, spacing_m, [first.main.lattice.cells.len(), under.len()], report);
         state_interior(&base, settings, report);
         state_asked(&base, &first.pairs, settings, report)?;
-        let (pieces, piece_ranges) = pieces(&base, &identity, &piece_moves);
-        let layout = enfilade_penalties::Layout { pieces: &pieces };
+        let layout = enfilade_penalties::Layout { pieces: &pieces.drawn };
         let mut study = Self {
             clearance: Clearance::new(&layout, CLEARANCE_RADIUS_M * base.plan.human_scale),
             wall_length: WallLength::new(&layout),
@@ -184,7 +180,7 @@ impl Study {
                 })
                 .collect(),
             rooms: aims::asks_for_rooms(settings).then(|| rooms(&base, &layout, report)),
-            guards: Guards::new(&base, &pieces, settings),
+            guards: Guards::new(&base, &pieces.drawn, settings),
             aims: aims::aims(settings),
             initial: Worth::default(),
             edges: first.main.edges,
@@ -197,9 +193,7 @@ impl Study {
             card_trouble: OnceLock::new(),
             confirming: OnceLock::new(),
             benches: Mutex::default(),
-            piece_moves,
             pieces,
-            piece_ranges,
         };
         let initial = |look: &Look| {
             let of = |scene: &Scene| {
@@ -210,7 +204,7 @@ impl Study {
             SeenOn { main: of(&look.main), pairs: look.pairs.iter().map(|p| of(&p.scene)).collect() }
         };
         let seen = study.looks.par_iter().map(initial).collect();
-        study.initial = study.worth(seen, &study.pieces, &identity);
+        study.initial = study.worth(seen, &study.pieces.drawn, &identity);
         Ok(study)
     }
 
@@ -289,7 +283,7 @@ impl Study {
 
     /// All pieces of the present layout that can move or not, as segments to show.
     pub fn all_pieces(&self) -> &[WallPiece] {
-        &self.pieces
+        &self.pieces.drawn
     }
 }
 
@@ -334,30 +328,4 @@ fn rooms(base: &Understood, initial: &enfilade_penalties::Layout<'_>, report: &m
 fn near(centre_um: PointUm, spacing_um: i64, plan: &Plan) -> PointUm {
     let o = plan.frame.origin_um;
     [0, 1].map(|k| centre_um[k] + (o[k] - centre_um[k]).div_euclid(spacing_um) * spacing_um)
-}
-
-fn pieces(
-    base: &Understood,
-    identity: &Layout,
-    piece_moves: &[Vec<bool>],
-) -> (Vec<WallPiece>, Vec<(usize, usize)>) {
-    let mut out = Vec::new();
-    let mut ranges = vec![(0, 0); identity.walls.len()];
-    let bars = structure::thick_walls(&base.axes);
-    for (w, wall) in base.plan.walls.iter().enumerate() {
-        let moving = base.moves.walls.binary_search(&(w as u32)).ok();
-        let start = out.len();
-        let nodes = &base.graph.trace_nodes[w];
-        let parts = pieces_of(&wall.trace, moving.map(|i| &piece_moves[i])).map(|p| (p.1, p.2));
-        for ((i, j, s), (part, is_moving)) in wall.trace.segments().zip(parts) {
-            let [a, b] = [s.a, s.b].map(|p| base.plan.frame.plan_from_um(p));
-            let solid = base.plan.walls[w].is_solid.then_some(w as u32);
-            let bar = bars.get(&(w as u32, part)).copied();
-            out.push(WallPiece { a, b, nodes: [nodes[i], nodes[j]], is_moving, solid, bar });
-        }
-        if let Some(i) = moving {
-            ranges[i] = (start, out.len());
-        }
-    }
-    (out, ranges)
 }

@@ -1,7 +1,7 @@
 //! What a layout is worth.
 
-use crate::measure::faults::Faults;
 use crate::measure::seen::Seen;
+use crate::understand::faults::Faults;
 use enfilade_config::Penalty;
 
 /// Everything that one layout is worth.

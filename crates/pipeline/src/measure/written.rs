@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use crate::measure::look::{Look, SeenOn};
-use crate::measure::parts::{blind, cover_bodies, cover_wide, pieces_of, stopping};
+use crate::measure::parts::{blind, cover_bodies, cover_wide, stopping};
 use crate::measure::seen::{Scene, Seen};
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
 use crate::read;
 use crate::understand::options::plan_options;
+use crate::understand::pieces::pieces_of;
 use crate::understand::understood::closed_that_stay;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::Shape;
@@ -19,7 +20,6 @@ use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
 use enfilade_engine::lattice::CellIndex;
 use enfilade_engine::visibility::visibility_graph;
 use enfilade_moves::{Layout, MovedWall};
-use enfilade_plan::curve::trace_like;
 use enfilade_plan::{Plan, PlanOptions, understand};
 use enfilade_report::{Error, Place, Report, counted};
 
@@ -47,11 +47,10 @@ impl Study {
             }
         }
         segments.extend(closed_that_stay(&self.base));
-        let mut pieces = self.pieces.clone();
-        for (w, range) in self.base.moves.walls.iter().zip(&self.piece_ranges) {
+        let mut pieces = self.pieces.drawn.clone();
+        for (i, w) in self.base.moves.walls.iter().enumerate() {
             let shape = as_cornered(plan, &again.walls[*w as usize].shape, meant[w]);
-            let trace = trace_like(shape, &plan.walls[*w as usize].trace, &plan.frame);
-            self.place(&mut pieces[range.0..range.1], &trace);
+            self.pieces.place_wall(&self.base, i, shape, &mut pieces);
         }
         let seen =
             self.seen_through(&segments, &|scene| self.blind_again(&again, &meant, &scene.cells, &segments));
@@ -68,7 +67,7 @@ impl Study {
         let base = &self.base;
         let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
         let seen = self.seen_through(segments, &|scene| blind(base, &identity, &scene.cells, segments));
-        let mut worth = self.worth(seen, &self.pieces, &identity);
+        let mut worth = self.worth(seen, &self.pieces.drawn, &identity);
         let length_m = |of: &[Segment]| -> f64 {
             let one = |s: &Segment| ((s.b[0] - s.a[0]) as f64).hypot((s.b[1] - s.a[1]) as f64);
             of.iter().map(one).sum::<f64>() / UM_PER_M

@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use crate::measure::faults::is_gated;
 use crate::measure::limits;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
 use crate::search::brief::{Aims, Brief, PENALTY_FREE, is_bare};
 use crate::search::gain;
+use crate::understand::faults::{CROSSING_FREE_M, is_gated};
 use enfilade_config::{Aim, Held, Measure, Method, Mode, PairName, Penalty, Settings, Thresholds};
 use enfilade_search::{Evaluation, Sense};
 
@@ -99,9 +99,6 @@ pub(crate) fn hidden(study: &Study, settings: &Settings, worth: &Worth) -> Vec<O
     pairs.retain(|p| sees(&study.initial, *p) && !sees(worth, *p));
     pairs
 }
-
-/// Corners that are written to the micrometre and mitred anew may run through each other by so much, metres.
-pub(crate) const CROSSING_FREE_M: f64 = 0.02;
 
 /// By how much walls run through each other only now, metres. Such a layout is not offered.
 fn crossing_m(study: &Study, settings: &Settings, worth: &Worth) -> f64 {

@@ -5,9 +5,9 @@ use crate::measure::study::Study;
 use crate::measure::worth::Worth;
 use crate::understand::understood::Understood;
 use enfilade_config::{Aim, Bound, Follow, Held, Limit, Measure, Method, PairName, Penalty, Settings, Snap};
-use enfilade_moves::Parameter;
 use enfilade_moves::control::{Breach, Control, Link, Rules};
 use enfilade_moves::defaults::TURN_DEG;
+use enfilade_moves::{Moves, Parameter};
 use enfilade_overlay::measure::sentence_case;
 use enfilade_overlay::words::listed as listed_and;
 use enfilade_plan::markers::Kind;
@@ -25,6 +25,10 @@ const RIGHT_DEG: f64 = 90.0;
 /// # Errors
 /// [`Error::Usage`] where a link names an unknown group or an option has other parameters.
 pub fn control(base: &Understood, settings: &Settings) -> Result<Control, Error> {
+    controlled(base, &base.moves, settings)
+}
+
+fn controlled(base: &Understood, moves: &Moves, settings: &Settings) -> Result<Control, Error> {
     let link = |l: &enfilade_config::Link| Link {
         groups: l.groups.clone(),
         mirror: match l.follow {
@@ -49,11 +53,23 @@ pub fn control(base: &Understood, settings: &Settings) -> Result<Control, Error>
             "warm: a layout of {}, the drawing has {count}",
             counted(v.len() as u64, "parameter")
         )),
-        None => Control::new(&base.moves, &rules),
+        None => Control::new(moves, &rules),
     };
     control.map_err(|why| {
         Error::usage("rules", Place::file(&base.plan.file), format!("{why}; nothing was done"))
     })
+}
+
+/// The same with ways as far as they were stated, before anything ended them.
+///
+/// # Errors
+/// As [`control`].
+pub fn control_as_stated(base: &Understood, settings: &Settings) -> Result<Control, Error> {
+    let mut moves = base.moves.clone();
+    for p in &mut moves.parameters {
+        [p.clause.lower, p.clause.upper] = p.stated;
+    }
+    controlled(base, &moves, settings)
 }
 
 /// The modules that moves keep to: the user's, else of default moves what an architect draws by.

@@ -6,7 +6,7 @@ use enfilade_moves::idle::Idle;
 use enfilade_moves::{MOVE_MIN_M, Moves, Parameter};
 use enfilade_plan::Plan;
 use enfilade_plan::graph::Graph;
-use enfilade_plan::markers::{Clause, Group};
+use enfilade_plan::markers::Group;
 use enfilade_report::{Place, Report};
 
 /// The moves without the parameters that move nothing. Those of linked groups stay, since others follow them; where nothing
@@ -32,8 +32,7 @@ pub(crate) fn without_idle<'a>(
             true if is_last => "; nothing moves here",
             _ => "",
         };
-        let text =
-            format!("group {:?}: `{}` moves nothing: {}{rest}", p.group_name, clause(&p.clause), words(*why));
+        let text = format!("group {:?}: `{}` moves nothing: {}{rest}", p.group_name, p.clause, words(*why));
         report.warn("move-idle", place(&p.group_name), text);
     }
     let is_idle = |name: &String| {
@@ -52,12 +51,6 @@ pub(crate) fn without_idle<'a>(
         idle.iter().map(|(i, _)| *i).filter(|i| !is_linked(&moves.parameters[*i])).collect();
     moves.leave_out(&dropped);
     moves
-}
-
-/// A clause as it is written.
-pub(crate) fn clause(c: &Clause) -> String {
-    let unit = if c.unit.is_empty() { String::new() } else { format!(" {}", c.unit) };
-    format!("{} {}{unit} to {}{unit}", c.kind.name(), c.lower, c.upper)
 }
 
 fn words(why: Idle) -> String {

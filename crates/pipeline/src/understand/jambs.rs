@@ -1,6 +1,5 @@
 //! Moves end before a door becomes narrower: those of marks at its jambs, with a warning; default moves wherever it would.
 
-use crate::understand::idle::clause;
 use enfilade_cad::drawing::place_in;
 use enfilade_moves::jambs::Shortened;
 use enfilade_moves::{Marked, Moves, Parameter};
@@ -35,10 +34,10 @@ fn jamb_words(p: &Parameter, shorter: &Shortened) -> String {
         "group {:?}: `{}` would take a wall past a jamb of {}, {:.2} m wide, and leave it narrower; it moves by `{}` alone; \
          an outline that takes the door's jambs in too moves the door along",
         p.group_name,
-        clause(&shorter.stated),
+        shorter.stated,
         shorter.door.place_words(),
         shorter.door.was_m,
-        clause(&p.clause)
+        p.clause
     )
 }
 

@@ -7,8 +7,10 @@ use glam::DVec2;
 use crate::understand::behind::state_left_behind;
 use crate::understand::building::movers;
 use crate::understand::far::state_far_centres;
-use crate::understand::idle::{clause, without_idle};
+use crate::understand::idle::without_idle;
 use crate::understand::jambs::ending_at_jambs;
+use crate::understand::reach::within_reach;
+use crate::understand::understood::Understood;
 use enfilade_cad::drawing::{Drawing, Editable, Format, IdleMarks, place_in};
 use enfilade_cad::ifc::KEEPS;
 use enfilade_cad::layers::WallLayers;
@@ -17,8 +19,6 @@ use enfilade_config::{MoveTable, Settings};
 use enfilade_engine::Region;
 use enfilade_moves::Moves;
 use enfilade_plan::allowed::{self, Allowed, AllowedAt};
-use enfilade_plan::axes::AxisGraph;
-use enfilade_plan::fittings::Fitting;
 use enfilade_plan::graph::Graph;
 use enfilade_plan::markers::{self, Group};
 use enfilade_plan::slots::Slot;
@@ -107,7 +107,7 @@ fn state_edited(plan: &Plan, moves: &[MoveTable], report: &mut Report) {
 
 /// What a marker says and where it is drawn, in its own unit and the drawing's coordinates.
 pub fn marker_words(plan: &Plan, group: &Group) -> String {
-    let clauses: Vec<String> = group.clauses.iter().map(clause).collect();
+    let clauses: Vec<String> = group.clauses.iter().map(ToString::to_string).collect();
     let corners = group.outline.outline().into_iter().map(|p| plan.frame.file_from_um(p));
     let rounded = |v: f64| (v * 1e3).round() / 1e3 + 0.0;
     let round = box_of(corners).map_or_else(String::new, |[lo, hi]| {
@@ -154,18 +154,23 @@ pub(crate) fn state_left(
     }
 }
 
-/// The moves of marks as they are taken up: ways end at the jambs of doors, and what moves nothing is no parameter.
-pub(crate) fn taken_up<'a>(
-    moves: Moves,
-    groups: impl Iterator<Item = &'a Group> + Clone,
-    (plan, graph, axes, fittings): (&Plan, &Graph, &AxisGraph, &[Fitting]),
+/// The moves of marks as they are taken up: ways end where nothing beyond can be built, and what moves nothing is no
+/// parameter.
+pub(crate) fn taken_up(
+    base: &mut Understood,
+    groups: &[Group],
     settings: &Settings,
     report: &mut Report,
 ) -> Moves {
-    state_far_centres(groups.clone(), plan, report);
-    let moves = ending_at_jambs(moves, groups.clone(), (plan, graph, axes), report);
-    let moves = without_idle(moves, groups.clone(), (plan, graph), settings, report);
-    state_left_behind(&moves, groups, (plan, graph), fittings, report);
+    state_far_centres(groups.iter(), &base.plan, report);
+    if !settings.allow.narrow_ways {
+        let known = (&base.plan, &base.graph, &base.axes);
+        base.moves = ending_at_jambs(base.moves.clone(), groups.iter(), known, report);
+    }
+    let moves = within_reach(base, groups.iter(), settings, report);
+    let Understood { plan, graph, fittings, .. } = &*base;
+    let moves = without_idle(moves, groups.iter(), (plan, graph), settings, report);
+    state_left_behind(&moves, groups.iter(), (plan, graph), fittings, report);
     state_structure(&moves, plan, report);
     moves
 }

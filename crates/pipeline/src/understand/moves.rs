@@ -2,7 +2,7 @@
 
 use crate::understand::jambs::keeping_doors;
 use crate::understand::marked::{
-    self, side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves, taken_up,
+    self, side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves,
 };
 use crate::understand::{building, carrying};
 use enfilade_cad::drawing::Drawing;
@@ -15,6 +15,7 @@ use enfilade_plan::allowed::is_of_works_alone;
 use enfilade_plan::axes::AxisGraph;
 use enfilade_plan::fittings::Fitting;
 use enfilade_plan::graph::Graph;
+use enfilade_plan::markers::Group;
 use enfilade_report::{Error, Place, Report};
 
 /// What is known of a plan before its moves.
@@ -28,7 +29,7 @@ pub(crate) struct Known<'a> {
     pub(crate) infill: &'a [Segment],
 }
 
-/// Moves of a drawing.
+/// Moves of a drawing, and the groups that somebody stated.
 ///
 /// # Errors
 /// [`Error::Usage`] for moves of a side-car that the drawing has no place for.
@@ -37,9 +38,9 @@ pub(crate) fn moves(
     known: &Known<'_>,
     settings: &Settings,
     report: &mut Report,
-) -> Result<Moves, Error> {
+) -> Result<(Moves, Vec<Group>), Error> {
     let Known { plan, graph, axes, interior, fittings, infill } = *known;
-    let all = (plan, graph, axes, fittings);
+    let named = |groups: Vec<(Group, Vec<u32>)>| groups.into_iter().map(|g| g.0).collect();
     let tables: Vec<MoveTable> =
         settings.moves.iter().filter(|t| !is_of_works_alone(&t.moves)).cloned().collect();
     if !tables.is_empty() {
@@ -47,7 +48,7 @@ pub(crate) fn moves(
         let (groups, records) = side_car_groups(drawing, plan, graph, (&tables, true), report)?;
         groups.iter().for_each(|(group, nodes)| say_kept(plan, graph, group, nodes, report));
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
-        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), all, settings, report));
+        return Ok((moves, named(groups)));
     }
     if building::movers(drawing).next().is_some() && !settings.ignore_move_markers {
         let stated = building::marked_moves(drawing);
@@ -56,22 +57,22 @@ pub(crate) fn moves(
             state_unread_marks(drawing.format.marking().moves, plan, report);
         }
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
-        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), all, settings, report));
+        return Ok((moves, named(groups)));
     }
     if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
         let moves = Moves::from_markers(plan, graph, axes, report);
-        return Ok(taken_up(moves, plan.markers.groups.iter(), all, settings, report));
+        return Ok((moves, plan.markers.groups.clone()));
     }
     if marked::is_any(drawing, plan) && !settings.ignore_move_markers {
         state_unread_moves(drawing, plan, report);
-        return Ok(Moves::default());
+        return Ok(Default::default());
     }
     if settings.only_marked {
         let text = "nothing is marked to move, and only what is marked may: the present layout is measured";
         report.info("nothing-marked", Place::file(&plan.file), text);
         let mut none = Moves::default();
         none.are_default = true;
-        return Ok(none);
+        return Ok((none, Vec::new()));
     }
     match interior {
         Some(interior) if !settings.ignore_move_markers && settings.reading.as_drawn != Some(true) => {
@@ -83,8 +84,8 @@ pub(crate) fn moves(
             let mut moves = Moves::new(plan, graph, axes, &groups, report);
             moves.are_default = true;
             state_left(&moves, (&groups, found), (plan, graph), report);
-            Ok(moves)
+            Ok((moves, Vec::new()))
         }
-        _ => Ok(Moves::default()),
+        _ => Ok(Default::default()),
     }
 }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::measure::study::Study;
+use crate::understand::named;
 use crate::write::made::Made;
-use crate::write::named;
 use enfilade_cad::ifc::{Parting, UnseenJoint};
 use enfilade_moves::opened::{Joints, Opened};
 use enfilade_plan::Plan;

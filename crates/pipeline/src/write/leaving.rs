@@ -3,8 +3,8 @@
 use glam::DVec2;
 
 use crate::measure::study::Study;
+use crate::understand::named;
 use crate::write::made::Made;
-use crate::write::named;
 use enfilade_cad::plane::box_of;
 use enfilade_moves::{Layout, MovedWall};
 use enfilade_plan::Plan;

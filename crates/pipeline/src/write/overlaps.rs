@@ -1,9 +1,9 @@
 //! What the report says of options that run walls through each other although nobody asked them not to.
 
 use crate::measure::study::Study;
-use crate::search::judged::CROSSING_FREE_M;
+use crate::understand::faults::CROSSING_FREE_M;
+use crate::understand::named;
 use crate::write::made::Made;
-use crate::write::named;
 use enfilade_config::{Held, Penalty, Settings};
 use enfilade_report::Report;
 

@@ -407,6 +407,7 @@ mod tests {
         let moved = |name: &str, kind: Kind| Parameter {
             group_name: name.into(),
             group: 0,
+            stated: [-1.0, 1.0],
             clause: Clause { kind, lower: -1.0, upper: 1.0, unit: "m".into(), si_per_unit: 1.0 },
         };
         let all =

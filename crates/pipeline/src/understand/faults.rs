@@ -1,14 +1,40 @@
 //! What a builder would refuse of a layout, whatever it gains.
 
+use crate::understand::pieces::Pieces;
 use crate::understand::understood::Understood;
 use enfilade_config::{Held, Method, Penalty, Settings};
 use enfilade_moves::Layout;
-use enfilade_moves::opened::Joints;
+use enfilade_moves::opened::{Joints, Opened};
 use enfilade_moves::struck::Struck;
-use enfilade_penalties::{Passage, WallPiece};
+use enfilade_penalties::{Overlap, Passage, WallPiece};
 
 /// A way this much narrower is none, metres: turned corners are rounded.
 const NARROWER_M: f64 = 0.001;
+
+/// One thing that is wrong with a layout, and between whom; walls are indices into the walls of the plan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Fault {
+    /// A joint opens.
+    Opened(Opened),
+    /// Two walls run through each other.
+    Crossing([u32; 2]),
+    /// A way between two walls is too narrow.
+    Narrow([u32; 2]),
+    /// A thing is struck, by its record.
+    Struck(usize),
+}
+
+impl Fault {
+    /// The word that permits it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Opened(_) => "open-joints",
+            Self::Crossing(_) => "crossings",
+            Self::Narrow(_) => "narrow-ways",
+            Self::Struck(_) => "things",
+        }
+    }
+}
 
 /// What is wrong with a layout where nobody said that it may be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,6 +79,7 @@ pub(crate) struct Guards {
     joints: Option<Joints>,
     narrow: Option<Passage>,
     things: Option<Struck>,
+    crossings: Option<Overlap>,
 }
 
 impl Guards {
@@ -67,6 +94,7 @@ impl Guards {
         out.joints = out.joints.filter(|_| !allow.open_joints);
         out.narrow = out.narrow.filter(|_| !allow.narrow_ways && !is_stated);
         out.things = out.things.filter(|_| !allow.things);
+        out.crossings = out.crossings.filter(|_| !allow.crossings);
         out
     }
 
@@ -78,6 +106,7 @@ impl Guards {
             joints: Some(Joints::new(plan, moves)),
             narrow: Some(Passage::new(&drawn, PASSAGE_WIDTH_M * plan.human_scale, None)),
             things: Some(Struck::new(plan, moves, fittings)),
+            crossings: Some(Overlap::new(&drawn)),
         }
     }
 
@@ -96,6 +125,43 @@ impl Guards {
         }
     }
 }
+
+impl Guards {
+    /// What is wrong with a layout, one by one; of what is shared by two walls, only where `holds` for both.
+    pub fn found(
+        &self,
+        (base, pieces): (&Understood, &Pieces),
+        layout: &Layout,
+        holds: &dyn Fn([u32; 2]) -> bool,
+    ) -> Vec<Fault> {
+        let placed = pieces.placed(base, layout);
+        let now = enfilade_penalties::Layout { pieces: &placed };
+        let walls = |(pair, by_m): ([usize; 2], f64)| (pair.map(|p| pieces.walls[p]), by_m);
+        // Less than so much in all is rounding.
+        let pairs = |all: Vec<([usize; 2], f64)>, free_m: f64| {
+            let held: Vec<_> = all.into_iter().map(walls).filter(|(pair, _)| holds(*pair)).collect();
+            let is_some = held.iter().map(|p| p.1).sum::<f64>() > free_m;
+            held.into_iter().filter(move |_| is_some).map(|(pair, _)| pair)
+        };
+        let of_record = |r: usize| base.plan.walls.iter().position(|w| w.source.record == r);
+        let joined = |o: &Opened| match [of_record(o.record), of_record(o.other)] {
+            [Some(a), Some(b)] => holds([a as u32, b as u32]),
+            _ => true,
+        };
+        let opened = self.joints.as_ref().map_or_else(Vec::new, |j| j.opened(&base.plan, layout));
+        let crossing = self.crossings.as_ref().map_or_else(Vec::new, |o| o.pairs_m(&now));
+        let narrow = self.narrow.as_ref().map_or_else(Vec::new, |n| n.pairs_m(&now));
+        let struck = self.things.as_ref().map(|t| t.by(layout)).unwrap_or_default();
+        let mut out: Vec<Fault> = opened.into_iter().filter(joined).map(Fault::Opened).collect();
+        out.extend(pairs(crossing, CROSSING_FREE_M).map(Fault::Crossing));
+        out.extend(pairs(narrow, NARROWER_M).map(Fault::Narrow));
+        out.extend(struck.into_iter().map(Fault::Struck));
+        out
+    }
+}
+
+/// Corners that are written to the micrometre and mitred anew may run through each other by so much, metres.
+pub(crate) const CROSSING_FREE_M: f64 = 0.02;
 
 /// Width below which the passage penalty counts, metres: a door that a wheelchair passes.
 pub const PASSAGE_WIDTH_M: f64 = 0.9;

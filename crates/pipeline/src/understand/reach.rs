@@ -1,0 +1,187 @@
+//! Ways of marks that end at what a builder would refuse, each told with what stands in the way and how far it goes.
+
+use std::collections::BTreeSet;
+
+use crate::understand::faults::{Fault, Guards, is_gated};
+use crate::understand::named;
+use crate::understand::pieces::Pieces;
+use crate::understand::understood::Understood;
+use enfilade_cad::drawing::place_in;
+use enfilade_config::Settings;
+use enfilade_moves::{Layout, Moves, Parameter};
+use enfilade_plan::markers::{Clause, Group, Kind};
+use enfilade_report::{Place, Report};
+
+/// Places of a shift lie no farther apart than this, metres of a person, those of a turn than this, degrees, those of a
+/// scaling than this; and are no more than so many.
+const STEP_M: f64 = 0.05;
+const STEP_DEG: f64 = 2.0;
+const STEP_SCALE: f64 = 0.02;
+const STEPS_MAX: usize = 40;
+
+/// Halvings between the farthest good place found and the bad one beyond it.
+const HALVINGS: usize = 8;
+
+/// A way ends at whole thousandths of its unit, if that is a metre, a foot, a degree or a factor.
+const PARTS: f64 = 1e3;
+
+/// Other parameters of a group that are tried at their bounds beside one.
+const BESIDE: usize = 2;
+
+/// What decides how far ways go.
+struct Walk<'a> {
+    base: &'a Understood,
+    pieces: Pieces,
+    guards: Guards,
+}
+
+/// The moves of marks with ways that end where nothing beyond can be built: whatever stands at the far end is allowed, or
+/// the way ends before it. A place on the way may still be forbidden; the search keeps off it.
+///
+/// What is linked follows another group, so that its way alone says nothing; nor does a wall that may move itself.
+pub(crate) fn within_reach<'a>(
+    base: &Understood,
+    groups: impl Iterator<Item = &'a Group> + Clone,
+    settings: &Settings,
+    report: &mut Report,
+) -> Moves {
+    let mut moves = base.moves.clone();
+    if !is_gated(base, settings) || settings.raw {
+        return moves;
+    }
+    let pieces = Pieces::new(base);
+    let guards = Guards::new(base, &pieces.drawn, settings);
+    let walk = Walk { base, pieces, guards };
+    let is_linked = |p: &Parameter| settings.links.iter().any(|l| l.groups.contains(&p.group_name));
+    for i in 0..moves.parameters.len() {
+        let p = &base.moves.parameters[i];
+        if is_linked(p) {
+            continue;
+        }
+        let ends = [p.clause.lower, p.clause.upper].map(|end| walk.end(i, end));
+        let [lower, upper] = [0, 1].map(|k| ends[k].as_ref().map(|e| e.0));
+        let clause = Clause {
+            lower: lower.unwrap_or(p.clause.lower),
+            upper: upper.unwrap_or(p.clause.upper),
+            ..p.clause.clone()
+        };
+        if clause == p.clause {
+            continue;
+        }
+        let faults: Vec<Fault> = ends.into_iter().flatten().flat_map(|e| e.1).collect();
+        let group = groups.clone().find(|g| g.name == p.group_name);
+        let place =
+            group.map_or_else(|| Place::file(&base.plan.file), |g| place_in(&base.plan.file, &g.source));
+        report.warn("move-shortened", place, words(base, p, &clause, &faults));
+        moves.parameters[i].clause = clause;
+    }
+    moves
+}
+
+impl Walk<'_> {
+    /// Where the way of a parameter ends before a bound, and what is wrong beyond; nothing where the bound can be built.
+    fn end(&self, i: usize, bound: f64) -> Option<(f64, Vec<Fault>)> {
+        let clause = &self.base.moves.parameters[i].clause;
+        let still = clause.kind.identity();
+        let mut wrong = self.wrong(i, bound);
+        if bound == still || wrong.is_empty() {
+            return None;
+        }
+        let step = match clause.kind {
+            Kind::Rotate(_) => STEP_DEG.to_radians() / clause.si_per_unit,
+            Kind::Scale(_) => STEP_SCALE,
+            _ => STEP_M * self.base.plan.human_scale / clause.si_per_unit,
+        };
+        let steps = ((bound - still).abs() / step).ceil().clamp(1.0, STEPS_MAX as f64) as usize;
+        let at = |k: usize| still + (bound - still) * k as f64 / steps as f64;
+        let mut good = 0;
+        for k in (1..steps).rev() {
+            let found = self.wrong(i, at(k));
+            if found.is_empty() {
+                good = k;
+                break;
+            }
+            wrong = found;
+        }
+        let (mut good, mut bad) = (at(good), at(good + 1));
+        for _ in 0..HALVINGS {
+            let middle = f64::midpoint(good, bad);
+            let found = self.wrong(i, middle);
+            if found.is_empty() {
+                good = middle;
+            } else {
+                (bad, wrong) = (middle, found);
+            }
+        }
+        Some((still + ((good - still) * PARTS).trunc() / PARTS + 0.0, wrong))
+    }
+
+    /// What is wrong with one parameter at a value, the others as drawn, or of its own group at a bound: the least of it.
+    fn wrong(&self, i: usize, value: f64) -> Vec<Fault> {
+        let moves = &self.base.moves;
+        let of_group = |k: &usize| *k != i && moves.parameters[*k].group == moves.parameters[i].group;
+        let beside: Vec<usize> = (0..moves.parameters.len()).filter(of_group).take(BESIDE).collect();
+        let mut least: Option<Vec<Fault>> = None;
+        for combination in 0..3usize.pow(beside.len() as u32) {
+            let mut p = moves.identity();
+            p[i] = value;
+            for (n, k) in beside.iter().enumerate() {
+                let Clause { lower, upper, .. } = moves.parameters[*k].clause;
+                p[*k] = [p[*k], lower, upper][combination / 3usize.pow(n as u32) % 3];
+            }
+            let found = self.found(&moves.apply(&self.base.plan, &self.base.graph, &p));
+            if found.is_empty() {
+                return found;
+            }
+            if least.as_ref().is_none_or(|l| found.len() < l.len()) {
+                least = Some(found);
+            }
+        }
+        least.unwrap_or_default()
+    }
+
+    /// What is wrong with a layout between what it moves and what cannot move itself.
+    fn found(&self, layout: &Layout) -> Vec<Fault> {
+        let changed: BTreeSet<u32> = layout.walls.iter().filter(|w| w.is_changed).map(|w| w.wall).collect();
+        let stays = |w: u32| self.base.moves.walls.binary_search(&w).is_err();
+        let holds = |pair: [u32; 2]| pair.iter().all(|w| changed.contains(w) || stays(*w));
+        self.guards.found((self.base, &self.pieces), layout, &holds)
+    }
+}
+
+/// What a way ends at, in words.
+fn words(base: &Understood, p: &Parameter, clause: &Clause, faults: &[Fault]) -> String {
+    let plan = &base.plan;
+    let wall = |w: u32| named::place(&plan.file, plan, &plan.walls[w as usize]);
+    let of_record = |r: usize| plan.walls.iter().position(|w| w.source.record == r).map(|w| wall(w as u32));
+    let told = |fault: &Fault| match *fault {
+        Fault::Opened(o) => match of_record(o.other) {
+            Some(other) => format!("open its joint with {other} by {:.2} m", o.by_m),
+            None => format!("open a joint by {:.2} m", o.by_m),
+        },
+        Fault::Crossing([a, b]) => format!("run {} through {}", wall(a), wall(b)),
+        Fault::Narrow([a, b]) => format!("leave less than 0.9 m between {} and {}", wall(a), wall(b)),
+        Fault::Struck(_) => "run into something that stands there".to_owned(),
+    };
+    let mut all: Vec<String> = Vec::new();
+    let mut allowed: BTreeSet<&str> = BTreeSet::new();
+    for fault in faults {
+        let text = told(fault);
+        if allowed.insert(fault.word()) && !all.contains(&text) {
+            all.push(text);
+        }
+    }
+    let words = allowed.iter().copied().collect::<Vec<_>>().join(", ");
+    let words = if allowed.len() > 1 { format!("\"{words}\"") } else { words };
+    let still = clause.kind.identity();
+    let rest = match clause.lower == still && clause.upper == still {
+        true => "it stays".to_owned(),
+        false => format!("it moves by `{clause}` alone"),
+    };
+    format!(
+        "group {:?}: `{}` goes farther than can be built: it would {}; {rest}; `--allow {words}` takes it on",
+        p.group_name,
+        p.clause,
+        all.join(", and ")
+    )
+}
