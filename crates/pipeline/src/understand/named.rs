@@ -22,6 +22,15 @@ pub(crate) fn words(plan: &Plan, record: usize) -> String {
     }
 }
 
+/// A wall in a sentence about another of the same file: its kind and handle in a drawing, else as [`words`] has it.
+pub(crate) fn short(plan: &Plan, wall: &Wall) -> String {
+    match (&wall.source.handle, plan.format) {
+        (Some(handle), Format::Dxf) => format!("{} {handle}", wall.source.kind),
+        (None, Format::Dxf) => format!("{} in line {}", wall.source.kind, wall.source.line),
+        _ => words(plan, wall.source.record),
+    }
+}
+
 /// Of a wall that shares its node with others: the middle of what it shows, in the drawing's own coordinates.
 fn standing(plan: &Plan, wall: &Wall) -> String {
     let own = &wall.source;

@@ -152,7 +152,7 @@ impl Walk<'_> {
 /// What a way ends at, in words.
 fn words(base: &Understood, p: &Parameter, clause: &Clause, faults: &[Fault]) -> String {
     let plan = &base.plan;
-    let wall = |w: u32| named::place(&plan.file, plan, &plan.walls[w as usize]);
+    let wall = |w: u32| named::short(plan, &plan.walls[w as usize]);
     let of_record = |r: usize| plan.walls.iter().position(|w| w.source.record == r).map(|w| wall(w as u32));
     let told = |fault: &Fault| match *fault {
         Fault::Opened(o) => match of_record(o.other) {
