@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Dict, List, Set, Tuple
 
+from . import allowed
 from .model import Built, Clause, Column, Drawn, Movable, Opening, Study, Wall, number
 from .outlines import CELL_MM, Outline, begin_outside, keep_apart, study_outlines
 from .plane import Point, Rigid, centroid, cross, direction, distance, distance_to_segment, dot, plus, turn_about
@@ -51,7 +52,7 @@ class Plan:
 def plan_of(study: Study) -> Plan:
     """Outlines and move tables of a study."""
     outlines = study_outlines(study)
-    notes: List[str] = []
+    notes: List[str] = allowed.notes_on(study)
     tables = _door_tables(study, outlines) + _group_tables(study, outlines, notes)
     if not study.drawn:
         _clamp(study, tables, outlines, notes)
