@@ -506,7 +506,8 @@ class Answers:
         doc.recompute()
 
     def tick(self, kind, on=True):
-        panel().mark.rows[kind][0].setChecked(on)
+        panel().mark.refresh()
+        panel().mark.rows.rows[kind].tick.setChecked(on)
 
     def choose_storey(self, index):
         panel().head.storeys.setCurrentIndex(index)

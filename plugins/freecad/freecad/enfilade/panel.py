@@ -406,13 +406,17 @@ class Watcher:
         Gui.Selection.removeObserver(self)
 
     def slotChangedObject(self, obj, name):
+        if name == "EnfiladeRegion" or not name.startswith("Enfilade"):
+            self._panel.mark.document_changed()
         if name.startswith("Enfilade") or name == "Shape" and hasattr(obj, "EnfiladeId"):
             self._panel.refresh_later()
 
     def slotCreatedObject(self, obj):
+        self._panel.mark.document_changed()
         self._panel.mark.object_created(obj)
 
     def slotDeletedObject(self, obj):
+        self._panel.mark.document_changed()
         if hasattr(obj, "EnfiladeId") or hasattr(obj, "EnfiladeRegion"):
             self._panel.refresh_later()
 
