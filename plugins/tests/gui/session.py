@@ -279,6 +279,25 @@ class Answers:
         Gui.Selection.clearSelection()
         Gui.Selection.addSelection(App.ActiveDocument.getObjectsByLabel(label)[0])
 
+    def select_all(self, labels):
+        Gui.Selection.clearSelection()
+        for label in labels:
+            Gui.Selection.addSelection(App.ActiveDocument.getObjectsByLabel(label)[0])
+
+    def allowed(self):
+        """Building works that are marked, by label."""
+        return {o.Label: o.EnfiladeWorks for o in App.ActiveDocument.Objects if getattr(o, "EnfiladeWorks", "")}
+
+    def rows(self):
+        """What page 1 offers: by kind how far it is ticked (0, 1 for some of the objects, 2) and its numbers."""
+        rows = panel().mark.rows.rows.values()
+        return {
+            r.kind: [int(r.tick.checkState()), *(b.value() for b in r.boxes.values())] for r in rows if not r.tick.isHidden()
+        }
+
+    def undo(self):
+        App.ActiveDocument.undo()
+
     def edit_wall(self, label, width):
         doc = App.ActiveDocument
         doc.openTransaction("edit")

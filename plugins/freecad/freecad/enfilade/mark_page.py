@@ -31,6 +31,7 @@ class MarkPage(QtWidgets.QWidget):
         self._later.timeout.connect(self.refresh)
         layout = QtWidgets.QVBoxLayout(self)
         self.selected = QtWidgets.QLabel()
+        self.selected.setObjectName("EnfiladeSelected")
         self.selected.setWordWrap(True)
         self.selected.setAlignment(QtCore.Qt.AlignTop)
         # As high as the longest words, so that no button jumps while something is selected.

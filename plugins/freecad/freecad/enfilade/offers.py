@@ -14,7 +14,7 @@ from .wording import say
 WORDS = {
     "x": "move",
     "y": "move",
-    "along": "slide along the wall",
+    "along": "move",
     "rotate": "turn",
     "open": "get an opening",
     "door": "get a door",
@@ -26,7 +26,12 @@ WORDS = {
     "remove": "be removed",
     "add": "get a new wall across the room",
 }
-OPENING_WORDS = {"widen": "become wider", "close": "be walled up", "rehang": "be hung elsewhere in its wall"}
+OPENING_WORDS = {
+    "along": "slide along the wall",
+    "widen": "become wider",
+    "close": "be walled up",
+    "rehang": "be hung elsewhere in its wall",
+}
 #: Why there is no more, with the names of the objects.
 WHY_WORDS = {
     possible.KEPT: "{}: nothing is built in what must stay.",
@@ -97,10 +102,10 @@ def said(offers: List[Tuple[object, Possible]]) -> str:
     why: Dict[str, List[str]] = {}
     for obj, offer in offers:
         own = OPENING_WORDS if document.kind_of(obj) == "Window" else {}
-        can = [own.get(k) or WORDS[k] for k in [*offer.moves, *offer.works]]
+        can = [own.get(k) or words for k, words in WORDS.items() if k in offer.moves or k in offer.works]
         alike.setdefault(tuple(dict.fromkeys(can)), []).append(obj.Label)
         for code in offer.why:
-            words = _locked(obj) if code == possible.LOCKED else say(WHY_WORDS[code])
+            words = _locked(obj) if code == possible.LOCKED else say(WHY_WORDS[code], "{}")
             why.setdefault(words, []).append(obj.Label)
     lines = [say("{} can: {}.", shortened(names), ", ".join(say(w) for w in can)) for can, names in alike.items() if can]
     if len(lines) > SAID_MAX:

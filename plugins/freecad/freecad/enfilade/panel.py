@@ -279,9 +279,10 @@ class Panel(QtWidgets.QDockWidget):
         notes.sort(key=lambda n: not n.is_warning)
         self.options.show_round(found, notes)
         self.pages.setCurrentIndex(OPTIONS)
-        still = "; ".join(why_nothing_moves(made.study))
+        # Who marks works alone does not ask why nothing moves.
+        still = "" if made.study.allows_works() else "; ".join(why_nothing_moves(made.study))
         if not found.options:
-            none = say("No better layout was found within what may move.")
+            none = say("No better layout was found within what is marked.")
             done = say("Nothing may move: {}. The present layout was measured.", still) if still else none
         elif still and all(option.works for option in found.options):
             done = say("Nothing may move: {}. The options build.", still)

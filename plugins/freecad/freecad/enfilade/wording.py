@@ -77,7 +77,7 @@ GERMAN = {
     "Import as document": "Als Dokument importieren",
     "Nothing may move: {}. The options build.": "Nichts darf sich bewegen: {}. Die Varianten bauen um.",
     "Nothing may move: {}. The present layout was measured.": "Nichts darf sich bewegen: {}. Der Bestand wurde gemessen.",
-    "No better layout was found within what may move.": "Im Rahmen des Erlaubten wurde kein besserer Grundriss gefunden.",
+    "No better layout was found within what is marked.": "Im Rahmen des Erlaubten wurde kein besserer Grundriss gefunden.",
     "This was in the document '{}', which is not the one in front.": "Das war im Dokument '{}', das nicht das vordere ist.",
     "The folder of the document cannot be written; the job lies in {}.": "In den Ordner des Dokuments kann nicht geschrieben werden; der Auftrag liegt in {}.",
     "outside any level": "außerhalb aller Geschosse",
