@@ -26,6 +26,9 @@ NESTED_MM = 4.0
 #: Layer of the boxes, height of the text in them, mm.
 LAYER, TEXT_MM = "EF-MOVE", 50.0
 
+#: What works are marked on as a whole.
+Base = Union[Wall, Drawn]
+
 UNITS_MM = {"": 1.0, "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
 
 
@@ -83,12 +86,13 @@ def length_mm(text: str) -> float:
 def tables(study: Study, outlines: List[Outline], handles: Dict[str, str]) -> List[Dict[str, Any]]:
     """``[[move]]`` tables of the side-car that allow works and say nothing of moves: of walls by their corners, of a 2D
     plan by whole entities."""
-    out = []
-    for element in [*study.walls, *study.drawn]:
+    out: List[Dict[str, Any]] = []
+    bases: List[Base] = [*study.walls, *study.drawn]
+    for element in bases:
         if not element.works or _why_not(element):
             continue
         own = [o for o in outlines if o.owner == element.id]
-        table = {"name": element.label, "moves": text_of(element.works)}
+        table: Dict[str, Any] = {"name": element.label, "moves": text_of(element.works)}
         if isinstance(element, Drawn):
             table["handles"] = [handles[o.host_id] for o in own]
         else:
@@ -97,16 +101,17 @@ def tables(study: Study, outlines: List[Outline], handles: Dict[str, str]) -> Li
     return out
 
 
-def _why_not(element: Union[Wall, Drawn]) -> str:
+def _why_not(element: Base) -> str:
     return element.locked or ("it is marked 'must stay' too" if element.keep else "")
 
 
 def notes_on(study: Study) -> List[str]:
     """Where works are marked and none can be made."""
     out = []
-    for element in [*study.walls, *study.drawn]:
-        openings = element.openings if isinstance(element, Wall) else []
-        if _why_not(element) and any(e.works for e in [element, *openings]):
+    bases: List[Base] = [*study.walls, *study.drawn]
+    for element in bases:
+        of_openings = [w for o in element.openings for w in o.works] if isinstance(element, Wall) else []
+        if _why_not(element) and (element.works or of_openings):
             out.append(f"Building works are marked at '{element.label}', but none is made there: {_why_not(element)}.")
     return out
 

@@ -249,6 +249,8 @@ class Wishes:
 #: What has faces and a place on the floor.
 Built = Union[Wall, Column]
 Movable = Union[Wall, Column, Drawn]
+#: What building works may be made on.
+Rebuilt = Union[Wall, Opening, Drawn]
 
 
 @dataclass
@@ -275,10 +277,10 @@ class Study:
         yield from self.built()
         yield from self.drawn
 
-    def allows_works(self) -> bool:
-        """Whether any building work is marked: then the program offers no other."""
-        openings = (o for w in self.walls for o in w.openings)
-        return any(e.works for many in (self.walls, openings, self.drawn) for e in many)
+    def rebuilt(self) -> List[Rebuilt]:
+        """All that building works are marked on; the program then offers no others."""
+        every: List[Rebuilt] = [*self.walls, *(o for w in self.walls for o in w.openings), *self.drawn]
+        return [e for e in every if e.works]
 
     def pairs(self) -> List[str]:
         """Names of the pairs of regions, each once, in the order in which they are drawn."""

@@ -52,13 +52,13 @@ class Plan:
 def plan_of(study: Study) -> Plan:
     """Outlines and move tables of a study."""
     outlines = study_outlines(study)
-    notes: List[str] = allowed.notes_on(study)
+    notes: List[str] = []
     tables = _door_tables(study, outlines) + _group_tables(study, outlines, notes)
     if not study.drawn:
         _clamp(study, tables, outlines, notes)
         keep_apart(outlines, _moves_of(tables, outlines))
         begin_outside(outlines)
-    return Plan(outlines, tables, notes)
+    return Plan(outlines, tables, [*notes, *allowed.notes_on(study)])
 
 
 def why_nothing_moves(study: Study) -> List[str]:

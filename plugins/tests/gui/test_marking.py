@@ -116,6 +116,7 @@ def test_04_marks_are_saved_and_read_again(window):
     window.wait_for("panel", lambda p: p["document"] == "Haus", 100)
     select(window, "Tür")
     assert ticked(window) == {"widen": [1200, 2400], "rehang": []}
+    assert window.ask("panel")["overlay"]["marks"], "what may be rebuilt is shown in the view"
 
 
 def test_05_options_build_what_is_marked(window):

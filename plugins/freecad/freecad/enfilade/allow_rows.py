@@ -17,7 +17,7 @@ WORK_ROWS = (
     ("widen", "wider door or opening"),
     ("close", "door walled up"),
     ("rehang", "door elsewhere in its wall"),
-    ("end", "free end goes back by"),
+    ("end", "free end goes back"),
     ("remove", "whole wall removed"),
     ("add", "new wall across the room"),
 )

@@ -34,12 +34,13 @@ class MarkPage(QtWidgets.QWidget):
         self.selected.setObjectName("EnfiladeSelected")
         self.selected.setWordWrap(True)
         self.selected.setAlignment(QtCore.Qt.AlignTop)
-        # As high as the longest words, so that no button jumps while something is selected.
-        self.selected.setMinimumHeight(3 * self.selected.fontMetrics().lineSpacing())
         layout.addWidget(self.selected)
         self.can = QtWidgets.QLabel()
         self.can.setObjectName("EnfiladeCan")
         self.can.setWordWrap(True)
+        self.can.setAlignment(QtCore.Qt.AlignTop)
+        # High enough for most words, so that few buttons jump while something is selected.
+        self.can.setMinimumHeight(4 * self.can.fontMetrics().lineSpacing())
         layout.addWidget(self.can)
         self.rows = Rows()
         layout.addWidget(self.rows)

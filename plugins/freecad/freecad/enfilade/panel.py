@@ -280,7 +280,7 @@ class Panel(QtWidgets.QDockWidget):
         self.options.show_round(found, notes)
         self.pages.setCurrentIndex(OPTIONS)
         # Who marks works alone does not ask why nothing moves.
-        still = "" if made.study.allows_works() else "; ".join(why_nothing_moves(made.study))
+        still = "" if made.study.rebuilt() else "; ".join(why_nothing_moves(made.study))
         if not found.options:
             none = say("No better layout was found within what is marked.")
             done = say("Nothing may move: {}. The present layout was measured.", still) if still else none

@@ -101,7 +101,7 @@ GERMAN = {
     "wider door or opening": "breitere Tür oder Öffnung",
     "door walled up": "Tür zugemauert",
     "door elsewhere in its wall": "Tür anderswo in ihrer Wand",
-    "free end goes back by": "freies Ende weicht zurück um",
+    "free end goes back": "freies Ende weicht zurück",
     "whole wall removed": "ganze Wand entfernt",
     "new wall across the room": "neue Wand quer durch den Raum",
     "several": "mehrere",
