@@ -1,4 +1,4 @@
-"""Page 1: what may move, and the regions."""
+"""Page 1: what may be done with what is selected, and the regions."""
 
 import FreeCAD as App
 import FreeCADGui as Gui
@@ -15,7 +15,7 @@ REGIONS = (("query", "People are here"), ("reference", "They look at this"), ("k
 
 
 class MarkPage(QtWidgets.QWidget):
-    """Bounds of the selected objects, buttons for regions."""
+    """What may be done with the selected objects, the marks on them, buttons for regions."""
 
     def __init__(self, panel):
         super().__init__()
@@ -151,24 +151,27 @@ class MarkPage(QtWidgets.QWidget):
             raise PluginError(what_is_selected(selection, objects, plan2d.is_plan(self._panel.document())))
         self._on_this_storey(objects)
         self._settle()
-        is_said = self.rows.is_any_ticked() or self.group.text().strip() or self.keep.isChecked()
-        if not is_said and any(marks.is_marked(o) for o in objects):
-            self._unmark()
+        if not self._is_said():
+            self._take_back(objects)
             return
-        if not is_said:
-            raise PluginError(say("Tick what may be done with it, name its group, or tick that it must stay."))
-        offers = {o.Name: self._offer(o) for o in objects}
-        asked = {o.Name: self._asked(o, offers[o.Name]) for o in objects}
-        group = self.group.text().strip()
+        asked = {o.Name: self.rows.sizes(self._kinds(o, self._offer(o)), given(o)) for o in objects}
         moving = [o for o in objects if moves_of(asked[o.Name])]
-        are_lines = len(moving) > 1 and all(plan2d.is_line(o) for o in moving)
-        if are_lines and not group and not self._has_groups:
+        group, together = self.group.text().strip(), ""
+        if len(moving) > 1 and all(plan2d.is_line(o) for o in moving) and not self._has_groups:
             # A wall of a 2D plan is several lines.
-            group = moving[0].Label
+            group = together = group or moving[0].Label
         done = [o for o in objects if asked[o.Name] or group or self.keep.isChecked() or marks.is_marked(o)]
-        stays = [o for o in objects if o not in done]
         self._write(done, asked, group)
-        self._tell_marked(done, stays, asked, group if are_lines else "")
+        self._tell_marked(done, [o for o in objects if o not in done], asked, together)
+
+    def _is_said(self) -> bool:
+        return self.rows.is_any_ticked() or bool(self.group.text().strip()) or self._has_groups or self.keep.isChecked()
+
+    def _take_back(self, objects) -> None:
+        """No tick is left: what was marked is so no more."""
+        if not any(marks.is_marked(o) for o in objects):
+            raise PluginError(say("Tick what may be done with it, name its group, or tick that it must stay."))
+        self._unmark()
 
     def _write(self, objects, asked, group: str) -> None:
         if not objects:
@@ -190,13 +193,12 @@ class MarkPage(QtWidgets.QWidget):
     def _tell_marked(self, done, stays, asked, together: str) -> None:
         names = shortened([o.Label for o in done])
         marked = say("Marked: {}. They move together, as '{}'.", names, together) if together else say("Marked: {}", names)
-        doors = [o for o in stays if document.kind_of(o) == "Window"]
-        fixed = ", ".join(f"'{o.Label}'" for o in doors or stays)
-        not_so = say("Doors and windows only slide along the wall; {} was not marked.", fixed) if doors else say("What is ticked is not possible with {}.", fixed)
-        only = not_so if fixed else ""
+        left = ", ".join(f"'{o.Label}'" for o in stays)
+        only = say("What is ticked is not possible with {}.", left) if stays else ""
         held = [f"'{o.Label}': {document.lock(o)}." for o in done if moves_of(asked[o.Name]) and document.lock(o)]
         locked = say("Marked, but they stay: {}", " ".join(held)) if held else ""
-        self._panel.tell(" ".join(w for w in (marked if done else "", only, locked) if w))
+        told = [w for w in (marked if done else "", only, locked) if w]
+        self._panel.tell(" ".join(w if w.endswith(".") or w is told[-1] else w + "." for w in told))
 
     def _offer(self, obj):
         return self._offers.of(obj, self._panel.head.storey(), self._panel.study.wishes().level)
@@ -204,9 +206,6 @@ class MarkPage(QtWidgets.QWidget):
     def _kinds(self, obj, offer):
         """What an object may be allowed, and what it was, so that it can be taken away."""
         return {*offer.moves, *offer.works, *given(obj)}
-
-    def _asked(self, obj, offer):
-        return self.rows.sizes(self._kinds(obj, offer), given(obj))
 
     def _unmark(self) -> None:
         selection = self.selection()

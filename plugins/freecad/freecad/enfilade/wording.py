@@ -81,7 +81,6 @@ GERMAN = {
     "This was in the document '{}', which is not the one in front.": "Das war im Dokument '{}', das nicht das vordere ist.",
     "The folder of the document cannot be written; the job lies in {}.": "In den Ordner des Dokuments kann nicht geschrieben werden; der Auftrag liegt in {}.",
     "outside any level": "außerhalb aller Geschosse",
-    "Doors and windows only slide along the wall; {} was not marked.": "Türen und Fenster gleiten nur entlang der Wand; {} wurde nicht markiert.",
     "Marked, but they stay: {}": "Markiert, aber sie bleiben: {}",
     "Marks removed: {}": "Markierung entfernt: {}",
     "best so far {}": "bisher bester Wert {}",
