@@ -276,13 +276,14 @@ class Answers:
         App.ActiveDocument.saveAs(path)
 
     def select(self, label):
-        Gui.Selection.clearSelection()
-        Gui.Selection.addSelection(App.ActiveDocument.getObjectsByLabel(label)[0])
+        self.select_all([label])
 
     def select_all(self, labels):
+        """Selects; the page shows it at once, not a moment later."""
         Gui.Selection.clearSelection()
         for label in labels:
             Gui.Selection.addSelection(App.ActiveDocument.getObjectsByLabel(label)[0])
+        panel().mark.refresh()
 
     def allowed(self):
         """Building works that are marked, by label."""

@@ -29,7 +29,7 @@ def run_study(window, *sizes):
 
 
 def tick_only(window, kind):
-    for other in ("x", "y", "along", "rotate"):
+    for other in {"x", "y", "along", "rotate"} & set(window.ask("rows")):
         if window.ask("checked", "EnfiladeAllow_" + other) != (other == kind):
             window.press("EnfiladeAllow_" + other)
 
