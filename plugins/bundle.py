@@ -114,6 +114,7 @@ def write_dist(folder):
 PICTURES = {
     "freecad-selected": "02-selected",
     "freecad-marked": "03-marked",
+    "freecad-works": "32-works-marked",
     "freecad-regions": "03b-regions",
     "freecad-options": "04-options",
     "freecad-isometric": "06-option-3-isometric",

@@ -50,7 +50,7 @@ pub fn word(plan: &Plan, kind: WorkKind, size_m: f64, stretch: [DVec2; 2], walls
     let ends = [a + inset, b - inset].map(|p| plan.frame.um_from_plan(p));
     let is_here = |at: &AllowedAt| match at {
         AllowedAt::Inside(region) => ends.iter().all(|p| region.contains(*p)),
-        AllowedAt::Record(record) => walls.iter().any(|w| w.records.contains(record)),
+        AllowedAt::Record(record) => walls.iter().any(|w| w.markable.contains(record)),
     };
     let is_of_kind = |w: &AllowedWork| w.kind == kind && is_of_size(w, size_m);
     match marks.iter().any(|m| is_here(&m.at) && m.works.iter().any(is_of_kind)) {

@@ -1,6 +1,6 @@
 //! The straight walls of a plan, each between two joints, ends or jambs, with what stands beside it.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use enfilade_cad::bearing::Bearing;
 use enfilade_engine::geometry::{PointUm, Segment};
@@ -17,6 +17,8 @@ pub const JOINT_M: f64 = 0.1;
 pub const PIER_M: f64 = 0.3;
 /// How far from a face the room beside it is looked for: farther than a skirting, nearer than the next wall.
 pub const BESIDE_M: f64 = 0.25;
+/// A mark on what draws so much of a wall is one on the wall, metres of a person: more than the thickness of partitions.
+const MARKED_M: f64 = 0.5;
 /// How far a stretch reaches beyond the faces, so that lines drawn on them go with it: plaster and slips of the hand.
 pub const COVER_M: f64 = 0.02;
 
@@ -52,6 +54,9 @@ pub struct Wall {
     pub ends: [WallEnd; 2],
     /// Records of what draws it ([`enfilade_cad::drawing::SourceRef::record`]).
     pub records: BTreeSet<usize>,
+    /// Those of them that draw enough of it for a mark on them to be one on it: the end of a wall that meets it is drawn on
+    /// its face, too.
+    pub markable: BTreeSet<usize>,
     /// Why it is structure, where something says so.
     pub bearing: Option<Bearing>,
 }
@@ -60,6 +65,15 @@ impl Wall {
     /// A point of the plan by its place along and across, metres.
     pub fn point(&self, along_m: f64, across_m: f64) -> DVec2 {
         self.at + self.along * along_m + self.along.perp() * across_m
+    }
+
+    /// How much of it a line draws, metres along it.
+    fn drawn_m(&self, plan: &Plan, line: Segment) -> f64 {
+        let [a, b] = [line.a, line.b].map(|p| plan.frame.plan_from_um(p) - self.at);
+        let across = [a, b].map(|p| self.along.perp_dot(p).abs());
+        let is_beside = across.iter().all(|d| *d <= self.thickness_m / 2.0 + BESIDE_M);
+        let [from, to] = [a, b].map(|p| self.along.dot(p).clamp(0.0, self.length_m));
+        if is_beside && (across[0] - across[1]).abs() < (to - from).abs() { (to - from).abs() } else { 0.0 }
     }
 
     /// A stretch of it with its faces, drawing frame.
@@ -112,7 +126,7 @@ fn wall(plan: &Plan, axes: &AxisGraph, index: usize, edge: &Edge) -> Option<Wall
         faces.filter_map(|f| plan.walls.get(f.0 as usize)).map(|w| w.source.record).collect();
     let bearing = records.iter().find_map(|r| plan.bearing.get(r)).copied();
     let ends = [0, 1].map(|k| end(axes, index, edge.nodes[k], along, scale));
-    Some(Wall {
+    let mut wall = Wall {
         edge: index,
         at: a,
         along,
@@ -120,8 +134,18 @@ fn wall(plan: &Plan, axes: &AxisGraph, index: usize, edge: &Edge) -> Option<Wall
         thickness_m: edge.thickness_m * scale,
         ends,
         records,
+        markable: BTreeSet::new(),
         bearing,
-    })
+    };
+    let least_m = (MARKED_M * scale).min(wall.length_m / 2.0);
+    let faces: BTreeSet<u32> = edge.left.iter().chain(&edge.right).chain(&edge.inner).map(|f| f.0).collect();
+    let mut drawn_m: BTreeMap<usize, f64> = BTreeMap::new();
+    for drawn in faces.into_iter().filter_map(|w| plan.walls.get(w as usize)) {
+        let lines = drawn.trace.segments().map(|(_, _, s)| wall.drawn_m(plan, s));
+        *drawn_m.entry(drawn.source.record).or_default() += lines.sum::<f64>();
+    }
+    wall.markable = drawn_m.into_iter().filter(|(_, m)| *m >= least_m).map(|(r, _)| r).collect();
+    Some(wall)
 }
 
 fn end(axes: &AxisGraph, index: usize, node: u32, along: DVec2, scale: f64) -> WallEnd {

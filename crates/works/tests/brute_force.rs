@@ -179,6 +179,22 @@ fn marks_say_what_is_allowed() {
     assert!(unmarked.iter().all(|w| !w.forbidden_by.contains(&Rule::Unmarked) && w.kind != WorkKind::Add));
 }
 
+/// A mark on a wall that ends at another is none on the other, on whose face its end is drawn.
+#[test]
+fn the_end_of_a_wall_marks_nothing_of_the_wall_that_it_meets() {
+    let (mut d, ..) = house(None);
+    d.ring("WALLS", &[[6.05, 2.4], [9.0, 2.4], [9.0, 2.5], [6.05, 2.5]]);
+    let plan = understand(&d, &PlanOptions::default(), &mut Report::default()).unwrap();
+    let (axes, _) = structure::axes(&plan, &d);
+    let spur = plan.walls.iter().map(|w| w.source.record).max().unwrap();
+    let walls = walls(&plan, &axes);
+    let (across, partition): (Vec<_>, Vec<_>) = walls.iter().partition(|w| w.along.x.abs() > 0.5);
+    assert!(across.iter().any(|w| w.markable.contains(&spur)), "the spur itself");
+    assert!(partition.iter().any(|w| w.records.contains(&spur)), "its end is drawn on the partition");
+    assert!(partition.iter().all(|w| !w.markable.contains(&spur)));
+    assert!(partition.iter().any(|w| !w.markable.is_empty()));
+}
+
 #[test]
 fn every_work_gains_what_it_is_said_to() {
     let works = found(&[room([0.0, 5.95], RoomKind::Living), room([6.05, 10.0], RoomKind::Kitchen)]);

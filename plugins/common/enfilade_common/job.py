@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Dict, List, Optional, Tuple
 
 from . import APPLICATION, __version__
-from . import drawn
+from . import allowed, drawn
 from .dxf_r12 import Drawing
 from .model import Column, PluginError, Region, Study, Wall, default_objectives, geometry_hash
 from .moves import MoveTable, Plan, plan_of
@@ -191,6 +191,7 @@ def drawing_text(study: Study, plan: Plan) -> Tuple[str, Dict[str, str]]:
     for element in study.built():
         if element.keep:
             out.polyline("EF-KEEP", _round_element(plan, element))
+    allowed.draw_boxes(out, study)
     _note_moves(out, plan)
     return out.file_text(), handles
 
@@ -215,6 +216,7 @@ def side_car(study: Study, plan: Plan, job: Job, handles: Dict[str, str]) -> Dic
     """Settings, moves by exact corners or, of a 2D plan, by whole entities, and the ``[host]`` table."""
     wishes = study.wishes
     by_corners = [{"name": t.name, "moves": t.clause.text(), "nodes": t.nodes(plan.outlines)} for t in plan.tables]
+    moves = drawn.move_tables(plan, handles) if study.drawn else by_corners
     out: Dict[str, Any] = {
         # Who marked lines of a 2D plan wants to see options, also where its reading is unsure; the program's questions
         # are shown.
@@ -231,7 +233,7 @@ def side_car(study: Study, plan: Plan, job: Job, handles: Dict[str, str]) -> Dic
         "level": wishes.level,
         "evaluations": wishes.evaluations,
         "spacing": wishes.spacing_m,
-        "move": drawn.move_tables(plan, handles) if study.drawn else by_corners,
+        "move": [*moves, *allowed.tables(study, plan.outlines, handles)],
         "lineage": study.lineage,
         "host": {
             "schema": HOST_SCHEMA,
@@ -257,6 +259,7 @@ def _host_wall(wall: Wall, job: Job) -> Dict[str, Any]:
         "thickness": wall.thickness,
         "left": wall.left,
         "bounds": "; ".join(c.text() for c in wall.clauses),
+        "works": allowed.text_of(wall.works),
         "group": wall.group,
         "hash": job.hashes[wall.id],
     }

@@ -38,6 +38,24 @@ class Clause:
 
 
 @dataclass
+class Allowed:
+    """A kind of building work that a mark allows, with its least and its most: clear width in mm; of an ``end`` only the
+    most, how far it goes back. Without them any size."""
+
+    kind: str
+    least: Optional[float] = None
+    most: Optional[float] = None
+
+    def text(self) -> str:
+        """As a marker's text says it: ``open 900mm 2400mm``, ``end -1000mm 0``, ``remove``."""
+        if self.most is None:
+            return self.kind
+        if self.kind == "end":
+            return f"end -{number(self.most)}mm 0"
+        return f"{self.kind} {number(self.most if self.least is None else self.least)}mm {number(self.most)}mm"
+
+
+@dataclass
 class Opening:
     """A door, a window or a passage in a wall, by where it begins and ends along the wall's axis, mm."""
 
@@ -50,6 +68,8 @@ class Opening:
     name: str = ""
     #: Slides along its wall within these clauses (kind ``along``).
     clauses: List[Clause] = field(default_factory=list)
+    #: Building works that are allowed to it.
+    works: List[Allowed] = field(default_factory=list)
 
 
 @dataclass
@@ -74,6 +94,8 @@ class Wall:
     locked: str = ""
     #: How high it is, mm; zero where the host does not say.
     height: float = 0.0
+    #: Building works that are allowed in it.
+    works: List[Allowed] = field(default_factory=list)
 
     @property
     def thickness(self) -> float:
@@ -140,6 +162,8 @@ class Drawn:
     locked: str = ""
     #: Whether it moves as a whole or not at all, so that no end of it can follow another.
     is_stiff: bool = False
+    #: Building works that are allowed in the wall that it draws.
+    works: List[Allowed] = field(default_factory=list)
 
     def points(self) -> List[Point]:
         return [p for s in self.strokes for p in s.points]
@@ -225,6 +249,8 @@ class Wishes:
 #: What has faces and a place on the floor.
 Built = Union[Wall, Column]
 Movable = Union[Wall, Column, Drawn]
+#: What building works may be made on.
+Rebuilt = Union[Wall, Opening, Drawn]
 
 
 @dataclass
@@ -250,6 +276,11 @@ class Study:
     def movables(self) -> Iterator[Movable]:
         yield from self.built()
         yield from self.drawn
+
+    def rebuilt(self) -> List[Rebuilt]:
+        """All that building works are marked on; the program then offers no others."""
+        every: List[Rebuilt] = [*self.walls, *(o for w in self.walls for o in w.openings), *self.drawn]
+        return [e for e in every if e.works]
 
     def pairs(self) -> List[str]:
         """Names of the pairs of regions, each once, in the order in which they are drawn."""
@@ -281,16 +312,20 @@ def _clauses(data: Dict[str, Any]) -> List[Clause]:
     return [Clause(**c) for c in data["clauses"]]
 
 
+def _works(data: Dict[str, Any]) -> List[Allowed]:
+    return [Allowed(**w) for w in data.get("works", [])]
+
+
 def _wall(data: Dict[str, Any]) -> Wall:
-    openings = [Opening(**dict(o, clauses=_clauses(o))) for o in data["openings"]]
+    openings = [Opening(**dict(o, clauses=_clauses(o), works=_works(o))) for o in data["openings"]]
     rings = [_points(r) for r in data["rings"]]
     rest = dict(data, axis=_points(data["axis"]), rings=rings, openings=openings, clauses=_clauses(data))
-    return Wall(**rest)
+    return Wall(**dict(rest, works=_works(data)))
 
 
 def _drawn(data: Dict[str, Any]) -> Drawn:
     strokes = [Stroke(**dict(s, points=_points(s["points"]), centre=_points([s["centre"]])[0])) for s in data["strokes"]]
-    return Drawn(**dict(data, strokes=strokes, clauses=_clauses(data)))
+    return Drawn(**dict(data, strokes=strokes, clauses=_clauses(data), works=_works(data)))
 
 
 def number(value: float) -> str:

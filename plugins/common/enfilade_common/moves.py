@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Dict, List, Set, Tuple
 
+from . import allowed
 from .model import Built, Clause, Column, Drawn, Movable, Opening, Study, Wall, number
 from .outlines import CELL_MM, Outline, begin_outside, keep_apart, study_outlines
 from .plane import Point, Rigid, centroid, cross, direction, distance, distance_to_segment, dot, plus, turn_about
@@ -57,7 +58,7 @@ def plan_of(study: Study) -> Plan:
         _clamp(study, tables, outlines, notes)
         keep_apart(outlines, _moves_of(tables, outlines))
         begin_outside(outlines)
-    return Plan(outlines, tables, notes)
+    return Plan(outlines, tables, [*notes, *allowed.notes_on(study)])
 
 
 def why_nothing_moves(study: Study) -> List[str]:

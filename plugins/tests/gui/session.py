@@ -276,8 +276,28 @@ class Answers:
         App.ActiveDocument.saveAs(path)
 
     def select(self, label):
+        self.select_all([label])
+
+    def select_all(self, labels):
+        """Selects; the page shows it at once, not a moment later."""
         Gui.Selection.clearSelection()
-        Gui.Selection.addSelection(App.ActiveDocument.getObjectsByLabel(label)[0])
+        for label in labels:
+            Gui.Selection.addSelection(App.ActiveDocument.getObjectsByLabel(label)[0])
+        panel().mark.refresh()
+
+    def allowed(self):
+        """Building works that are marked, by label."""
+        return {o.Label: o.EnfiladeWorks for o in App.ActiveDocument.Objects if getattr(o, "EnfiladeWorks", "")}
+
+    def rows(self):
+        """What page 1 offers: by kind how far it is ticked (0, 1 for some of the objects, 2) and its numbers."""
+        rows = panel().mark.rows.rows.values()
+        return {
+            r.kind: [int(r.tick.checkState()), *(b.value() for b in r.boxes.values())] for r in rows if not r.tick.isHidden()
+        }
+
+    def undo(self):
+        App.ActiveDocument.undo()
 
     def edit_wall(self, label, width):
         doc = App.ActiveDocument
@@ -506,7 +526,8 @@ class Answers:
         doc.recompute()
 
     def tick(self, kind, on=True):
-        panel().mark.rows[kind][0].setChecked(on)
+        panel().mark.refresh()
+        panel().mark.rows.rows[kind].tick.setChecked(on)
 
     def choose_storey(self, index):
         panel().head.storeys.setCurrentIndex(index)

@@ -91,11 +91,11 @@ def test_02_walls_are_marked_with_clicks(window):
     window.shot("02-selected")
     window.press("EnfiladeAllow")
     assert "Partition" in window.ask("panel")["status"]
-    for x, y in ((2500, 4000), (9000, 2200)):
+    for x, y, label in ((2500, 4000, "Screen A"), (9000, 2200, "Schirm Ö")):
         select(window, x, y)
+        window.wait_for("panel", lambda _: window.ask("text", "EnfiladeSelected") == f"Selected: {label}", 100)
         for kind in ("x", "y", "rotate"):
-            if not window.ask("checked", "EnfiladeAllow_" + kind):
-                window.press("EnfiladeAllow_" + kind)
+            window.press("EnfiladeAllow_" + kind)
         window.press("EnfiladeAllow")
     marked = window.ask("marks")
     assert sorted(marked) == ["Partition", "Schirm Ö", "Screen A"], marked

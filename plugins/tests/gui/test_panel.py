@@ -20,11 +20,15 @@ def test_01_a_door_is_not_marked_where_it_cannot_move(window):
     window.ask("house", "Haus")
     window.click(window.ask("tab", 0))
     window.ask("select", "Tür")
+    window.wait_for("rows", lambda rows: list(rows) == ["along", "widen", "close", "rehang"], 100)
+    window.press("EnfiladeAllow")
+    assert status(window) == "Tick what may be done with it, name its group, or tick that it must stay."
+    window.ask("select_all", ["P", "Tür"])
     window.ask("tick", "x")
     window.press("EnfiladeAllow")
-    assert status(window) == "Doors and windows only slide along the wall; 'Tür' was not marked."
-    assert window.ask("marks") == {}
-    window.ask("tick", "x", False)
+    assert status(window) == "Marked: P. What is ticked is not possible with 'Tür'."
+    assert list(window.ask("marks")) == ["P"]
+    window.press("EnfiladeUnmark")
 
 
 def test_02_nothing_marked_nothing_moves(window):
@@ -72,10 +76,13 @@ def test_04b_marks_of_other_storeys_are_listed(window):
     assert "'Q' on another storey: the panel works on 'EG'. Nothing was done" in status(window)
     assert window.ask("marks") == {}
     window.ask("choose_storey", window.ask("storeys_offered").index("OG"))
+    # More is offered now, so the button moves.
+    window.wait_for("rows", lambda rows: "open" in rows, 100)
     window.press("EnfiladeAllow")
     assert status(window) == "Marked: Q"
     window.ask("choose_storey", window.ask("storeys_offered").index("EG"))
     window.ask("select", "P")
+    window.ask("tick", "x")
     window.press("EnfiladeAllow")
     assert window.ask("text", "EnfiladeListed") == "Marked here: P\nOn other storeys, not studied here: 'Q' (OG)"
     window.shot("16-storeys")
@@ -140,6 +147,7 @@ def test_05_two_documents_are_never_mixed(window):
     window.press("EnfiladeSwitch")
     panel = window.wait_for("panel", lambda p: p["document"] == second, 100)
     assert panel["options"] == 0 and panel["front"] == second
+    window.ask("tick", "x")
     window.press("EnfiladeAllow")
     assert status(window) == "Marked: Q", status(window)
     run_study(window)

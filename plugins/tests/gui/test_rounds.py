@@ -29,7 +29,7 @@ def run_study(window, *sizes):
 
 
 def tick_only(window, kind):
-    for other in ("x", "y", "along", "rotate"):
+    for other in {"x", "y", "along", "rotate"} & set(window.ask("rows")):
         if window.ask("checked", "EnfiladeAllow_" + other) != (other == kind):
             window.press("EnfiladeAllow_" + other)
 
@@ -63,6 +63,7 @@ def mark_lines(window, labels, kind):
     for i, label in enumerate(labels):
         window.click(window.ask("middle", label), *(["ctrl"] if i else []))
     assert sorted(window.ask("document")["selection"]) == sorted(labels)
+    window.wait_for("panel", lambda _: window.ask("text", "EnfiladeSelected").count(",") == min(len(labels), 6) - 1, 100)
     tick_only(window, kind)
     window.press("EnfiladeAllow")
     assert status(window).startswith("Marked: ") and "They move together" in status(window), status(window)
@@ -73,6 +74,7 @@ def test_01_a_house_from_the_first_mark_to_the_second_round(window):
     window.wait_for("panel", lambda p: p["document"] == "Wohnhaus", 100)
     window.click(window.ask("tab", 0))
     window.click(window.ask("point", 4000, 4000))
+    window.wait_for("panel", lambda _: window.ask("text", "EnfiladeSelected") == "Selected: P", 100)
     tick_only(window, "x")
     window.press("EnfiladeAllow")
     assert status(window) == "Marked: P"
@@ -170,6 +172,7 @@ def test_04_an_option_that_cuts_and_builds(window):
     window.wait_for("panel", lambda p: p["document"] == "Umbau", 100)
     window.click(window.ask("tab", 0))
     window.click(window.ask("point", 4000, 4000))
+    window.wait_for("panel", lambda _: window.ask("text", "EnfiladeSelected") == "Selected: P", 100)
     tick_only(window, "x")
     window.press("EnfiladeAllow")
     panel = run_study(window, 100, 1)

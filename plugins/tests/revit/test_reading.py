@@ -4,7 +4,7 @@ import os
 
 import pytest
 from enfilade_common.model import PluginError, Wishes
-from enfilade_revit import reading
+from enfilade_revit import reading, work
 from enfilade_revit.host import Host
 from fake import building, elements
 from fake.building import Model, square
@@ -64,6 +64,31 @@ def test_marks_that_cannot_be_read_are_told():
     assert reading.clauses("x -1 1 2", 0.0, "W", notes) == []
     assert [n.split("'")[3] for n in notes] == ["x 5 9", "up 1 2", "x 1 abc", "x -1 1 2"]
     assert reading.length_mm("-1.5m") == -1500 and reading.length_mm("2ft") == pytest.approx(609.6)
+
+
+def test_building_works_stand_beside_the_moves():
+    notes = []
+    text = "x -1 1; open 900 2.4m; REMOVE; end -1m 0; glaze wide; close 1 2 3"
+    assert [w.text() for w in reading.works(text, "W", notes)] == ["open 900mm 2400mm", "remove", "end -1000mm 0"]
+    assert [c.kind for c in reading.clauses(text, 0.0, "W", notes)] == ["x"]
+    assert notes == [
+        "'W': 'glaze wide' is no building work; expected for example 'open 900 2400; remove'.",
+        "'W': 'close 1 2 3' is no building work; expected for example 'open 900 2400; remove'.",
+    ]
+
+
+def test_building_works_of_walls_and_doors(revit, window):
+    for name, text in (("Spur", "open 900 2400"), ("Door", "along -300 2000; widen; remove"), ("Window", "close")):
+        revit.at[name]._s["params"]["Enfilade Moves"] = text
+    study, notes = studied(revit)
+    assert notes == [] and study.rebuilt()
+    assert [w.text() for w in study.element(str(revit.at["Spur"]._id)).works] == ["open 900mm 2400mm"]
+    door = study.element(str(revit.at["Partition"]._id)).openings[0]
+    assert [w.kind for w in door.works] == ["widen"] and len(door.clauses) == 1, "a door is not removed like a wall"
+    assert study.element(str(revit.at["N"]._id)).openings[0].works == []
+    said = window()
+    work.describe_marks(revit.host(), said)
+    assert "may be rebuilt: open 900mm 2400mm" in said.said[0]
 
 
 def test_the_location_line_may_lie_on_a_face(revit):

@@ -267,7 +267,7 @@ def study(doc, wishes, storey: Optional[str] = None, lineage=()) -> Tuple[Study,
 def default_storey(doc, labels: List[str]) -> Optional[str]:
     """The storey with marks, else the lowest."""
     for obj in doc.Objects:
-        if not is_link(obj) and marks.bounds(obj) and storey_at(obj) in labels:
+        if not is_link(obj) and (marks.bounds(obj) or marks.works(obj)) and storey_at(obj) in labels:
             return storey_at(obj)
     return labels[0] if labels else None
 
@@ -398,6 +398,7 @@ def _add_wall(out: Reading, obj, id: str) -> None:
     chains = axes(obj)
     faces = _faces(obj)
     walls: List[Found] = []
+    out.notes += marks.unread(obj)
     for i, (points, closed, segments) in enumerate(chains):
         wall_id = id if len(chains) == 1 else f"{id}.{i}"
         wall = Wall(wall_id, obj.Label, points, *faces, closed=closed, name=obj.Name)
@@ -413,6 +414,7 @@ def _add_wall(out: Reading, obj, id: str) -> None:
         heading = 0.0 if wall.rings else _heading_deg(wall)
         wall.clauses, wall.group, wall.keep = marks.clauses(obj, heading), marks.group(obj), marks.keep(obj)
         wall.locked, wall.height = lock(obj), round(obj.Shape.BoundBox.ZLength, 2)
+        wall.works = marks.works(obj)
         if len(walls) > 1 and not wall.group and wall.clauses:
             wall.group = obj.Label
             wall.clauses = walls[0].element.clauses
@@ -588,7 +590,8 @@ def _add_opening(out: Reading, door, walls: List[Wall], ids: Dict[str, str]) -> 
             out.notes.append(f"'{door.Label}' is not cut at eye height: it does not slide, it only goes with its wall.")
         return
     opening = Opening(ids[door.Name], door.Label, start, end, _kind_of_opening(door, low - foot), door.Name)
-    opening.clauses = slides
+    opening.clauses, opening.works = slides, marks.works(door)
+    out.notes += marks.unread(door)
     wall.openings.append(opening)
     out.openings[opening.id] = door
 

@@ -1,4 +1,4 @@
-"""Page 1: what may move, and the regions."""
+"""Page 1: what may be done with what is selected, and the regions."""
 
 import FreeCAD as App
 import FreeCADGui as Gui
@@ -6,35 +6,44 @@ import FreeCADGui as Gui
 from enfilade_common.model import PluginError, number, pair_name
 
 from . import document, marks, plan2d
+from .allow_rows import MOVE_ROWS, Rows, given, moves_of, show_tick, works_of
+from .offers import Offers, said, shortened
 from .qt import QtCore, QtWidgets
 from .wording import say
 
-ROWS = (("x", "east-west"), ("y", "north-south"), ("along", "along the wall"), ("rotate", "turn"))
-#: What a freshly ticked move allows: mm, degrees.
-USUAL = {"x": 500.0, "y": 500.0, "along": 500.0, "rotate": 15.0}
-#: So many names are listed.
-LISTED_MAX = 6
 REGIONS = (("query", "People are here"), ("reference", "They look at this"), ("keep", "Nothing moves here"))
 
 
 class MarkPage(QtWidgets.QWidget):
-    """Bounds of the selected objects, buttons for regions."""
+    """What may be done with the selected objects, the marks on them, buttons for regions."""
 
     def __init__(self, panel):
         super().__init__()
         self._panel = panel
         self._awaited_region = ""
+        self._offers = Offers()
+        #: What was selected, and marked on it, when the rows were filled: until this changes, what is ticked stays.
+        self._filled = None
+        #: Whether the selected objects are of several groups.
+        self._has_groups = False
         self._later = QtCore.QTimer(self)
         self._later.setSingleShot(True)
         self._later.timeout.connect(self.refresh)
         layout = QtWidgets.QVBoxLayout(self)
         self.selected = QtWidgets.QLabel()
+        self.selected.setObjectName("EnfiladeSelected")
         self.selected.setWordWrap(True)
         self.selected.setAlignment(QtCore.Qt.AlignTop)
-        # As high as the longest words, so that no button jumps while something is selected.
-        self.selected.setMinimumHeight(3 * self.selected.fontMetrics().lineSpacing())
         layout.addWidget(self.selected)
-        layout.addLayout(self._bounds())
+        self.can = QtWidgets.QLabel()
+        self.can.setObjectName("EnfiladeCan")
+        self.can.setWordWrap(True)
+        self.can.setAlignment(QtCore.Qt.AlignTop)
+        # High enough for most words, so that few buttons jump while something is selected.
+        self.can.setMinimumHeight(4 * self.can.fontMetrics().lineSpacing())
+        layout.addWidget(self.can)
+        self.rows = Rows()
+        layout.addWidget(self.rows)
         layout.addLayout(self._group())
         layout.addLayout(self._buttons())
         layout.addSpacing(12)
@@ -46,43 +55,6 @@ class MarkPage(QtWidgets.QWidget):
         layout.addWidget(self.listed)
         layout.addStretch(1)
 
-    def _bounds(self):
-        grid = QtWidgets.QGridLayout()
-        for column, title in ((1, "from"), (2, "to")):
-            grid.addWidget(QtWidgets.QLabel(say(title)), 0, column)
-        self.rows, self.left = {}, {}
-        for row, (kind, title) in enumerate(ROWS, 1):
-            tick = QtWidgets.QCheckBox(say(title))
-            tick.setObjectName("EnfiladeAllow_" + kind)
-            boxes = []
-            for column in (1, 2):
-                box = QtWidgets.QDoubleSpinBox()
-                box.setObjectName(f"EnfiladeBound_{kind}_{column}")
-                limit = 180.0 if kind == "rotate" else 100000.0
-                low, high = (-limit, 0.0) if column == 1 else (0.0, limit)
-                box.setRange(low, high)
-                box.setDecimals(0 if kind != "rotate" else 1)
-                box.setSingleStep(100 if kind != "rotate" else 5)
-                box.setSuffix("°" if kind == "rotate" else " mm")
-                box.setEnabled(False)
-                tick.toggled.connect(box.setEnabled)
-                grid.addWidget(box, row, column)
-                boxes.append(box)
-            tick.toggled.connect(lambda on, k=kind: self._ticked(k, on))
-            grid.addWidget(tick, row, 0)
-            self.rows[kind] = (tick, *boxes)
-            self.left[kind] = QtWidgets.QLabel()
-            self.left[kind].setObjectName("EnfiladeLeft_" + kind)
-            self.left[kind].setToolTip(say("Press Allow to begin anew from here."))
-            grid.addWidget(self.left[kind], row, 3)
-        return grid
-
-    def _ticked(self, kind: str, on: bool) -> None:
-        _, low, high = self.rows[kind]
-        if on and not low.value() and not high.value():
-            low.setValue(-USUAL[kind])
-            high.setValue(USUAL[kind])
-
     def _group(self):
         row = QtWidgets.QHBoxLayout()
         row.addWidget(QtWidgets.QLabel(say("Group")))
@@ -92,6 +64,7 @@ class MarkPage(QtWidgets.QWidget):
         row.addWidget(self.group)
         self.keep = QtWidgets.QCheckBox(say("Must stay"))
         self.keep.setObjectName("EnfiladeKeep")
+        self.keep.toggled.connect(self.rows.keep)
         row.addWidget(self.keep)
         return row
 
@@ -165,45 +138,74 @@ class MarkPage(QtWidgets.QWidget):
             )
             raise PluginError(there)
 
+    def _settle(self) -> None:
+        """What was just selected is shown before anything is done with it: no tick of the selection before counts."""
+        if self._later.isActive():
+            self._later.stop()
+            self.refresh()
+
     def _allow(self) -> None:
         selection = self.selection()
         objects = self.chosen(selection)
         if not objects:
             raise PluginError(what_is_selected(selection, objects, plan2d.is_plan(self._panel.document())))
         self._on_this_storey(objects)
-        ticked = {k: (low.value(), high.value()) for k, (tick, low, high) in self.rows.items() if tick.isChecked()}
-        has_moves = any(any(pair) for pair in ticked.values())
-        if not (has_moves or self.group.text().strip() or self.keep.isChecked()):
-            raise PluginError(say("Tick how it may move, name its group, or tick that it must stay."))
-        doors = [o for o in objects if document.kind_of(o) == "Window"]
-        rest = [o for o in objects if o not in doors]
-        along = {k: v for k, v in ticked.items() if k == "along"}
-        stays = []
-        if has_moves and not any(any(pair) for pair in along.values()):
-            # A door moves in its wall only; in any other direction it would seem marked and stay.
-            stays, doors = doors, []
-        group = self.group.text().strip()
-        are_lines = len(rest) > 1 and all(plan2d.is_line(o) for o in rest)
-        if are_lines and has_moves and not group:
+        self._settle()
+        if not self._is_said():
+            self._take_back(objects)
+            return
+        asked = {o.Name: self.rows.sizes(self._kinds(o, self._offer(o)), given(o)) for o in objects}
+        moving = [o for o in objects if moves_of(asked[o.Name])]
+        group, together = self.group.text().strip(), ""
+        if len(moving) > 1 and all(plan2d.is_line(o) for o in moving) and not self._has_groups:
             # A wall of a 2D plan is several lines.
-            group = rest[0].Label
-        fixed = ", ".join(f"'{o.Label}'" for o in stays)
-        only = say("Doors and windows only slide along the wall; {} was not marked.", fixed) if stays else ""
-        if not rest and not doors:
-            raise PluginError(only)
+            group = together = group or moving[0].Label
+        done = [o for o in objects if asked[o.Name] or group or self.keep.isChecked() or marks.is_marked(o)]
+        self._write(done, asked, group)
+        self._tell_marked(done, [o for o in objects if o not in done], asked, together)
+
+    def _is_said(self) -> bool:
+        return self.rows.is_any_ticked() or bool(self.group.text().strip()) or self._has_groups or self.keep.isChecked()
+
+    def _take_back(self, objects) -> None:
+        """No tick is left: what was marked is so no more."""
+        if not any(marks.is_marked(o) for o in objects):
+            raise PluginError(say("Tick what may be done with it, name its group, or tick that it must stay."))
+        self._unmark()
+
+    def _write(self, objects, asked, group: str) -> None:
+        if not objects:
+            return
         doc = objects[0].Document
+        known = marks.ids(doc)
+        is_kept = self.keep.checkState()
         doc.openTransaction("Enfilade: mark")
-        for some, bounds in ((rest, ticked), (doors, along)):
-            marks.mark_all(some, bounds, group, self.keep.isChecked())
+        for obj in objects:
+            sizes = asked[obj.Name]
+            own_group = marks.group(obj) if self._has_groups and not self.group.isModified() else group
+            kept = marks.keep(obj) if is_kept == QtCore.Qt.PartiallyChecked else is_kept == QtCore.Qt.Checked
+            marks.mark(obj, moves_of(sizes), own_group, kept, known, [] if kept else works_of(sizes))
         doc.commitTransaction()
         self.group.setModified(False)
+        self._filled = None
         self._panel.refresh()
-        names = shortened([o.Label for o in [*rest, *doors]])
-        together = say("Marked: {}. They move together, as '{}'.", names, group)
-        marked = together if are_lines and has_moves else say("Marked: {}", names)
-        held = [f"'{o.Label}': {document.lock(o)}." for o in rest if has_moves and document.lock(o)]
+
+    def _tell_marked(self, done, stays, asked, together: str) -> None:
+        names = shortened([o.Label for o in done])
+        marked = say("Marked: {}. They move together, as '{}'.", names, together) if together else say("Marked: {}", names)
+        left = ", ".join(f"'{o.Label}'" for o in stays)
+        only = say("What is ticked is not possible with {}.", left) if stays else ""
+        held = [f"'{o.Label}': {document.lock(o)}." for o in done if moves_of(asked[o.Name]) and document.lock(o)]
         locked = say("Marked, but they stay: {}", " ".join(held)) if held else ""
-        self._panel.tell(" ".join(w for w in (marked, only, locked) if w))
+        told = [w for w in (marked if done else "", only, locked) if w]
+        self._panel.tell(" ".join(w if w.endswith(".") or w is told[-1] else w + "." for w in told))
+
+    def _offer(self, obj):
+        return self._offers.of(obj, self._panel.head.storey(), self._panel.study.wishes().level)
+
+    def _kinds(self, obj, offer):
+        """What an object may be allowed, and what it was, so that it can be taken away."""
+        return {*offer.moves, *offer.works, *given(obj)}
 
     def _unmark(self) -> None:
         selection = self.selection()
@@ -268,26 +270,33 @@ class MarkPage(QtWidgets.QWidget):
         is_plan = doc is not None and not selection and plan2d.is_plan(doc)
         self.selected.setText(refused or what_is_selected(selection, objects, is_plan))
         self._list_marked()
-        for label in self.left.values():
-            label.setText("")
-        if not objects:
-            return
-        first = objects[0]
-        given, left = marks.bounds(first), {c.kind: c for c in marks.clauses(first, 0.0)}
-        for kind, (tick, low, high) in self.rows.items():
-            if marks.is_marked(first):
-                for box, value in zip((low, high), given.get(kind, (0.0, 0.0))):
-                    box.setValue(value)
-                tick.setChecked(kind in given)
-            if kind in left and marks.used(first, kind):
-                ends = (number(round(v, 1)) for v in (left[kind].lower, left[kind].upper))
-                self.left[kind].setText(say("left: {} to {}", *ends))
-        if marks.is_marked(first):
-            self.group.setText(marks.group(first))
-            self.keep.setChecked(marks.keep(first))
-        elif not self.group.isModified():
-            # What was shown of the last one does not name this one's group.
-            self.group.setText("")
+        self._show(objects)
+
+    def document_changed(self) -> None:
+        """What may be done is asked anew."""
+        self._offers.forget()
+
+    def _show(self, objects) -> None:
+        """What may be done with the selected objects, and what was marked on them."""
+        offers = [(o, self._offer(o)) for o in objects]
+        self.can.setText(said(offers))
+        self.rows.offer({k for o, offer in offers for k in self._kinds(o, offer)} if objects else {k for k, _ in MOVE_ROWS})
+        now = [(o.Document.Name, o.Name, given(o), marks.group(o), marks.keep(o)) for o in objects]
+        if now != self._filled:
+            self._filled = now
+            self._fill(offers)
+        for kind, row in self.rows.rows.items():
+            row.left.setText(what_is_left(objects[0], kind) if objects else "")
+
+    def _fill(self, offers) -> None:
+        """The marks of what is selected, and none of what was selected before."""
+        self.rows.show_given({k: [given(o) for o, offer in offers if k in self._kinds(o, offer)] for k in self.rows.rows})
+        groups = list(dict.fromkeys(marks.group(o) for o, _ in offers)) or [""]
+        self._has_groups = len(groups) > 1
+        self.group.setText("" if self._has_groups else groups[0])
+        self.group.setPlaceholderText(say("several") if self._has_groups else "")
+        kept = [marks.keep(o) for o, _ in offers]
+        show_tick(self.keep, sum(kept), len(kept))
 
     def _list_marked(self) -> None:
         """What is marked on the panel's storey, and what elsewhere."""
@@ -301,8 +310,12 @@ class MarkPage(QtWidgets.QWidget):
         self.listed.setText("\n".join(lines))
 
 
-def shortened(names) -> str:
-    return ", ".join(names[:LISTED_MAX]) + (" …" if len(names) > LISTED_MAX else "")
+def what_is_left(obj, kind: str) -> str:
+    """What accepted options have left of a move's bounds."""
+    left = {c.kind: c for c in marks.clauses(obj, 0.0)} if marks.bounds(obj) else {}
+    if kind not in left or not marks.used(obj, kind):
+        return ""
+    return say("left: {} to {}", *(number(round(v, 1)) for v in (left[kind].lower, left[kind].upper)))
 
 
 def what_is_selected(selection, objects, is_plan: bool = False) -> str:

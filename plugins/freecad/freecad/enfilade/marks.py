@@ -1,9 +1,10 @@
 """Marks of the user's on objects: properties in the group "Enfilade", shown in the property editor."""
 
 import uuid
-from typing import Dict, List, Tuple
+from typing import Dict, List, Sequence, Tuple
 
-from enfilade_common.model import Clause
+from enfilade_common.allowed import text_of, works_in
+from enfilade_common.model import Allowed, Clause
 
 GROUP = "Enfilade"
 
@@ -53,6 +54,21 @@ def take(obj, by: Dict[str, float]) -> None:
             obj.setEditorMode(stem + "Used", 1)
 
 
+def works(obj) -> List[Allowed]:
+    """Building works that an object was allowed."""
+    return works_in(_works_text(obj))[0]
+
+
+def unread(obj) -> List[str]:
+    """Says what somebody wrote there that is no work."""
+    expected = "is no building work, expected for example 'open 900mm 2400mm; remove'."
+    return [f"'{obj.Label}': {clause!r} {expected}" for clause in works_in(_works_text(obj))[1]]
+
+
+def _works_text(obj) -> str:
+    return str(getattr(obj, "EnfiladeWorks", "") or "")
+
+
 def group(obj) -> str:
     return str(getattr(obj, "EnfiladeGroup", "") or "")
 
@@ -72,7 +88,7 @@ def region_pair(obj) -> str:
 
 
 def is_marked(obj) -> bool:
-    return bool(bounds(obj)) or keep(obj) or bool(group(obj))
+    return bool(bounds(obj)) or keep(obj) or bool(group(obj)) or bool(_works_text(obj))
 
 
 def ids(doc) -> Dict[str, str]:
@@ -111,7 +127,9 @@ def mark_all(objects, bounds: Dict[str, tuple], group_name: str = "", is_kept: b
         mark(obj, bounds, group_name, is_kept, known)
 
 
-def mark(obj, bounds: Dict[str, tuple], group_name: str = "", is_kept: bool = False, known=None) -> None:
+def mark(
+    obj, bounds: Dict[str, tuple], group_name: str = "", is_kept: bool = False, known=None, works: Sequence[Allowed] = ()
+) -> None:
     """Writes marks; ``bounds`` gives ``(lower, upper)`` by kind, mm or degrees. Inside a transaction.
 
     ``known`` is what :func:`ids` says of the document, where many objects are marked at once.
@@ -128,6 +146,9 @@ def mark(obj, bounds: Dict[str, tuple], group_name: str = "", is_kept: bool = Fa
     obj.EnfiladeGroup = group_name
     _add(obj, "App::PropertyBool", "EnfiladeKeep", "Enfilade: stays as it stands, whatever else may move")
     obj.EnfiladeKeep = is_kept
+    if works or hasattr(obj, "EnfiladeWorks"):
+        _add(obj, "App::PropertyString", "EnfiladeWorks", "Enfilade: building works that are allowed, as 'open 900mm 2400mm; remove'")
+        obj.EnfiladeWorks = text_of(works)
 
 
 def copy(of, to) -> None:
@@ -143,7 +164,7 @@ def copy(of, to) -> None:
 
 
 def unmark(obj) -> None:
-    """Takes moves, group and keep away, and what a region is for; the id stays. Inside a transaction."""
+    """Takes moves, works, group and keep away, and what a region is for; the id stays. Inside a transaction."""
     for name in list(obj.PropertiesList):
         if name.startswith("Enfilade") and name != "EnfiladeId":
             obj.removeProperty(name)

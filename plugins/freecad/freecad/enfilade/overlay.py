@@ -15,6 +15,7 @@ from enfilade_common.results import Cells
 from . import document, marks, plan2d
 
 ORANGE = (1.0, 0.45, 0.0)
+RED = (0.85, 0.0, 0.0)
 MOVED = (0.85, 0.0, 0.38)
 BEFORE = (0.1, 0.1, 0.12)
 BEST = (0.0, 0.45, 0.85)
@@ -64,11 +65,11 @@ class Overlay:
         return self._parts[name].getNumChildren() == 0
 
     def show_marks(self, doc, scale: float) -> None:
-        """Arrows and arcs of every marked object, outlines of regions; ``scale`` are units of the document in a mm of
-        the building."""
+        """Arrows and arcs of every marked object, dashes along what may be rebuilt, outlines of regions; ``scale`` are
+        units of the document in a mm of the building."""
         part = self._parts["marks"]
         part.removeAllChildren()
-        lines, groups = [], set()
+        lines, groups, rebuilt = [], set(), []
         for obj in doc.Objects:
             if document.is_link(obj):
                 continue
@@ -82,8 +83,10 @@ class Overlay:
                 group = marks.group(obj) if plan2d.is_line(obj) else ""
                 lines.append((obj, [] if group and group in groups else arrows(obj, scale)))
                 groups.add(group)
+                rebuilt += _middles(obj) if marks.works(obj) else []
         top = max((o.Shape.BoundBox.ZMax for o, _ in lines), default=0.0) + CLEAR_MM
         _add_lines(part, [line for _, many in lines for line in many], top, ORANGE, 3)
+        _add_lines(part, rebuilt, top + CLEAR_MM, RED, 4, 0xFF00)
 
     def show_heat(self, cells: Cells, measure: str, span: Tuple[float, float], size: float, z: float) -> None:
         """A coloured square for every cell, ``size`` mm wide, just above the floor."""
@@ -167,6 +170,19 @@ def arrows(obj, scale: float = 1.0) -> List[List[Point]]:
                 way = value * scale
                 out += _arrow(middle, (middle[0] + u[0] * way, middle[1] + u[1] * way), scale)
     return out
+
+
+def _middles(obj) -> List[List[Point]]:
+    """Lines along an object: its axis, what is drawn of it, or the longer way across it."""
+    if document.kind_of(obj) == "Wall" and document.axes(obj):
+        return [points + points[:1] if closed else points for points, closed, _ in document.axes(obj)]
+    if plan2d.is_line(obj):
+        return [s.points for s in plan2d.strokes_of(obj) if s.kind == "lines"]
+    box = obj.Shape.BoundBox
+    c = box.Center
+    if box.XLength > box.YLength:
+        return [[(box.XMin, c.y), (box.XMax, c.y)]]
+    return [[(c.x, box.YMin), (c.x, box.YMax)]]
 
 
 def _direction_deg(obj) -> float:

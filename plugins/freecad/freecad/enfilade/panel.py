@@ -279,9 +279,10 @@ class Panel(QtWidgets.QDockWidget):
         notes.sort(key=lambda n: not n.is_warning)
         self.options.show_round(found, notes)
         self.pages.setCurrentIndex(OPTIONS)
-        still = "; ".join(why_nothing_moves(made.study))
+        # Who marks works alone does not ask why nothing moves.
+        still = "" if made.study.rebuilt() else "; ".join(why_nothing_moves(made.study))
         if not found.options:
-            none = say("No better layout was found within what may move.")
+            none = say("No better layout was found within what is marked.")
             done = say("Nothing may move: {}. The present layout was measured.", still) if still else none
         elif still and all(option.works for option in found.options):
             done = say("Nothing may move: {}. The options build.", still)
@@ -406,13 +407,17 @@ class Watcher:
         Gui.Selection.removeObserver(self)
 
     def slotChangedObject(self, obj, name):
+        if name == "EnfiladeRegion" or not name.startswith("Enfilade"):
+            self._panel.mark.document_changed()
         if name.startswith("Enfilade") or name == "Shape" and hasattr(obj, "EnfiladeId"):
             self._panel.refresh_later()
 
     def slotCreatedObject(self, obj):
+        self._panel.mark.document_changed()
         self._panel.mark.object_created(obj)
 
     def slotDeletedObject(self, obj):
+        self._panel.mark.document_changed()
         if hasattr(obj, "EnfiladeId") or hasattr(obj, "EnfiladeRegion"):
             self._panel.refresh_later()
 

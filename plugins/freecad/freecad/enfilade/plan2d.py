@@ -55,13 +55,14 @@ def add_all(out, doc, storey, many: bool, ids) -> None:
     for obj in lines(doc):
         if not many or document.storey_of(obj) == storey:
             made = element(obj, ids[obj.Name])
+            out.notes += marks.unread(obj)
             out.found[made.id] = document.Found(made, obj)
 
 
 def element(obj, id: str) -> Drawn:
     made = Drawn(id, obj.Label, strokes_of(obj), layer_of(obj), obj.Name)
     made.clauses, made.group, made.keep = marks.clauses(obj, heading_deg(obj)), marks.group(obj), marks.keep(obj)
-    made.locked = document.lock(obj)
+    made.locked, made.works = document.lock(obj), marks.works(obj)
     curves = any(e.Curve.TypeId not in ("Part::GeomLine", "Part::GeomCircle") for e in obj.Shape.Edges)
     can_stretch = is_plain_wire(obj) or obj.TypeId in ("Part::Feature", "Part::Line")
     # An arc or a circle only ever moves as a whole.

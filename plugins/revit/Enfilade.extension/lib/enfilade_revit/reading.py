@@ -4,7 +4,8 @@ import math
 import re
 from typing import Dict, List, Optional, Tuple
 
-from enfilade_common.model import Clause, Column, Opening, PluginError, Region, Study, Wall, Wishes, pair_name
+from enfilade_common.allowed import OF_OPENINGS, is_work, length_mm, works_in
+from enfilade_common.model import Allowed, Clause, Column, Opening, PluginError, Region, Study, Wall, Wishes, pair_name
 from enfilade_common.plane import distance, direction, dot, minus
 
 from .data import (
@@ -24,8 +25,6 @@ MEET_MM = 2.0
 
 #: So many names stand in a sentence about what was left out.
 NAMED = 5
-
-_UNITS = {"": 1.0, "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
 
 
 def study(host, wishes: Wishes) -> Tuple[Study, List[str]]:
@@ -74,6 +73,7 @@ def _wall(found: RevitWall, notes: List[str]) -> Optional[Wall]:
         wall = Wall(id, found.label, list(found.axis), found.left, found.right)
     heading = direction(wall.axis[0], wall.axis[-1])
     _take_marks(wall, found, math.degrees(math.atan2(heading[1], heading[0])), notes)
+    wall.works = works(found.parameters.get(MOVES_PARAMETER, ""), found.label, notes)
     for insert in found.inserts:
         if not insert.closed and not wall.rings:
             _add_opening(wall, insert, notes)
@@ -103,8 +103,9 @@ def _add_opening(wall: Wall, insert: RevitInsert, notes: List[str]) -> None:
         return
     kind = "window" if insert.is_window else "door"
     opening = Opening(str(insert.element_id), insert.label, start, end, kind)
-    marks = clauses(insert.parameters.get(MOVES_PARAMETER, ""), 0.0, insert.label, notes)
-    opening.clauses = [c for c in marks if c.kind == "along"]
+    text = insert.parameters.get(MOVES_PARAMETER, "")
+    opening.clauses = [c for c in clauses(text, 0.0, insert.label, notes) if c.kind == "along"]
+    opening.works = [w for w in works(text, insert.label, notes) if w.kind in OF_OPENINGS and not insert.is_window]
     if insert.fixed and opening.clauses:
         notes.append(f"'{insert.label}' is marked to move but stays: {insert.fixed}.")
         opening.clauses = []
@@ -118,7 +119,7 @@ def clauses(text: str, heading_deg: float, label: str, notes: List[str]) -> List
     """
     out = []
     for part in (p.strip() for p in re.split(r"[;\n]", text)):
-        if not part or part.lower().startswith("name "):
+        if not part or part.lower().startswith("name ") or is_work(part):
             continue
         clause = _clause(part.split(), heading_deg)
         if clause is None:
@@ -126,6 +127,15 @@ def clauses(text: str, heading_deg: float, label: str, notes: List[str]) -> List
         else:
             out.append(clause)
     return out
+
+
+def works(text: str, label: str, notes: List[str]) -> List[Allowed]:
+    """Building works of a parameter's text, beside the moves: ``open 900 2400; remove``."""
+    mine = [p.strip() for p in re.split(r"[;\n]", text) if is_work(p.strip())]
+    found, unread = works_in("; ".join(mine))
+    for part in unread:
+        notes.append(f"'{label}': {part!r} is no building work; expected for example 'open 900 2400; remove'.")
+    return found
 
 
 def _clause(words: List[str], heading_deg: float) -> Optional[Clause]:
@@ -141,14 +151,6 @@ def _clause(words: List[str], heading_deg: float) -> Optional[Clause]:
     if not lower <= 0.0 <= upper or lower == upper:
         return None
     return Clause(kind, lower, upper, heading_deg if kind == "along" else 0.0)
-
-
-def length_mm(text: str) -> float:
-    """``500``, ``-1.5m``, ``2ft`` in millimetres."""
-    match = re.fullmatch(r"([-+]?[0-9]*\.?[0-9]+)(mm|cm|m|in|ft)?", text.strip())
-    if match is None:
-        raise ValueError(text)
-    return float(match.group(1)) * _UNITS[match.group(2) or ""]
 
 
 def regions(lines: List[DetailLine], notes: List[str]) -> List[Region]:

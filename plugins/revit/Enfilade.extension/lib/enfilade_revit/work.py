@@ -5,6 +5,7 @@ import re
 from typing import Optional
 
 from enfilade_common import job, program, results
+from enfilade_common.allowed import text_of
 from enfilade_common.model import PluginError, Wishes
 
 from . import applying, reading, running
@@ -73,14 +74,16 @@ def describe_marks(host, window) -> None:
     """Says what is marked in the view: regions, moves, what cannot be used."""
     study, notes = reading.study(host, Wishes())
     marked = [e for e in study.movables() if e.clauses or e.group]
+    rebuilt = study.rebuilt()
     doors = [o for w in study.walls for o in w.openings if o.clauses]
     lines = [f"{len(study.walls)} walls, {len(study.columns)} columns."]
     for e in marked:
         group = f" (group {e.group})" if e.group else ""
         lines.append(f"{e.label}: " + "; ".join(c.text() for c in e.clauses) + group)
     lines += [f"{o.label}: slides {o.clauses[0].lower:g} to {o.clauses[0].upper:g} mm" for o in doors]
+    lines += [f"{e.label}: may be rebuilt: {text_of(e.works)}" for e in rebuilt]
     lines += [f"Region: {r.kind}, {len(r.points)} corners" for r in study.regions]
-    if not marked and not doors:
+    if not marked and not doors and not rebuilt:
         lines.append("Nothing is marked; Enfilade then moves what stands free.")
     window.tell(title(host), "\n".join([*lines, *notes]))
 
