@@ -20,7 +20,7 @@ use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_plan::{DrawnBy, Plan, Wall as Drawn};
 use enfilade_works::change::Quad;
 use enfilade_works::walls::{BESIDE_M, COVER_M, Wall};
-use enfilade_works::{Work, WorkKind};
+use enfilade_works::{PARTITION_M, Work, WorkKind};
 
 /// How a work is written.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -171,11 +171,12 @@ fn add_in_building(out: &mut Written, base: &Understood, walls: &[Wall], work: &
             out.add(*record, EntityWork::Void { gone: in_file(plan, quad), filling: filling(work) });
         }
     }
-    if let (Some([a, b]), Some(record)) = (built_axis(base, work), records.first()) {
-        let off = (b - a).normalize_or_zero().perp() * (thickness_m(walls, work) / 2.0);
+    let like = like(base, walls, work).or(records.first().copied());
+    if let (Some([a, b]), Some(record)) = (built_axis(base, work), like) {
+        let off = (b - a).normalize_or_zero().perp() * (thickness_m(base, walls, work) / 2.0);
         let corner = |p: DVec2| Vertex { at: plan.frame.written(plan.frame.file_from_plan(p)), bulge: 0.0 };
         let vertices = [a - off, b - off, b + off, a + off].map(corner).to_vec();
-        out.add(*record, EntityWork::Build { shapes: vec![Shape::Polyline { vertices, closed: true }] });
+        out.add(record, EntityWork::Build { shapes: vec![Shape::Polyline { vertices, closed: true }] });
         for record in hung(base, work) {
             out.add(record, EntityWork::Drop);
         }
@@ -186,9 +187,23 @@ fn add_in_building(out: &mut Written, base: &Understood, walls: &[Wall], work: &
     }
 }
 
-/// Thickness of the wall that a work changes, metres of the plan.
-pub(super) fn thickness_m(walls: &[Wall], work: &Work) -> f64 {
-    work.walls.first().map_or(0.0, |w| walls[w.0].thickness_m)
+/// Thickness of the wall that a work changes or builds, metres of the plan.
+pub(super) fn thickness_m(base: &Understood, walls: &[Wall], work: &Work) -> f64 {
+    match work.kind {
+        WorkKind::Add => PARTITION_M * base.plan.human_scale,
+        _ => work.walls.first().map_or(0.0, |w| walls[w.0].thickness_m),
+    }
+}
+
+/// The wall whose like a new partition is: the nearest one as thick that is no structure.
+fn like(base: &Understood, walls: &[Wall], work: &Work) -> Option<usize> {
+    let (thickness, middle) = (thickness_m(base, walls, work), work.stretch[0].midpoint(work.stretch[1]));
+    let is_like = |w: &&Wall| {
+        w.bearing.is_none() && (w.thickness_m - thickness).abs() < LEAST_M * base.plan.human_scale
+    };
+    let all = walls.iter().filter(|_| work.kind == WorkKind::Add).filter(is_like);
+    let far = |w: &Wall| w.point(w.length_m / 2.0, 0.0).distance(middle);
+    all.min_by(|a, b| far(a).total_cmp(&far(b))).and_then(|w| w.records.first().copied())
 }
 
 /// The axis of what is walled up or built, plan frame.
@@ -294,7 +309,7 @@ pub(super) fn beside(base: &Understood, walls: &[Wall], work: &Work) -> Vec<Work
     let new = built_axis(base, work).map(|axis| WorkTable {
         kind: "new".into(),
         points: axis.map(|p| plan.frame.written(plan.frame.file_from_plan(p)).into()).to_vec(),
-        text: Some(thickness_m(walls, work) / plan.human_scale)
+        text: Some(thickness_m(base, walls, work) / plan.human_scale)
             .filter(|m| *m > 0.0)
             .map(|m| format!("{m:.3}m")),
     });

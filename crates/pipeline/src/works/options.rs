@@ -350,7 +350,7 @@ impl Builder<'_> {
         let mm = |v: f64| (v * 1e3).round() / 1e3 + 0.0;
         let at = |p: DVec2| base.plan.frame.drawing_m_from_plan(p).map(mm);
         let built = built_axis(base, work)
-            .map(|axis| BuiltWall { ends: axis.map(at), thickness_m: mm(thickness_m(walls, work)) });
+            .map(|axis| BuiltWall { ends: axis.map(at), thickness_m: mm(thickness_m(base, walls, work)) });
         let opening = work.opening.and_then(|k| base.axes.openings.get(k));
         let filling = match filling(work) {
             Filling::Door => "door",
