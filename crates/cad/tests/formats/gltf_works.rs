@@ -448,3 +448,16 @@ fn what_cannot_be_cut_is_said() {
     let refused = patch("a.glb", &glb(&(json, data)), &ReadOptions::default(), &[away], &[]);
     assert!(refused.unwrap_err().to_string().contains("no wall of its mesh stands there"));
 }
+
+/// A room that is one solid shows a face where a thin wall would stand: what is cut into that is a niche and no opening.
+#[test]
+fn a_cut_that_does_not_go_through_is_said() {
+    let mut data = Data::default();
+    let hull = data.primitive(&boxes(&[[[0.0, 0.0, -3.0], [5.0, 2.8, 3.0]]]));
+    let meshes = json!([{"name": "hull", "primitives": [hull]}]);
+    let hull = data.scene(meshes, json!([{"name": "Cube", "mesh": 0}]), json!([0]));
+    for filling in [Filling::Nothing, Filling::Gone] {
+        let refused = patch("a.glb", &glb(&hull), &ReadOptions::default(), &[void(0, filling)], &[]);
+        assert!(refused.unwrap_err().to_string().contains("goes on beside the stretch"));
+    }
+}

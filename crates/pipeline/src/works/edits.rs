@@ -19,7 +19,7 @@ use enfilade_config::WorkTable;
 use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_plan::{DrawnBy, Plan, Wall as Drawn};
 use enfilade_works::change::Quad;
-use enfilade_works::walls::{BESIDE_M, COVER_M, Wall};
+use enfilade_works::walls::{BESIDE_M, Wall, cover_m};
 use enfilade_works::{PARTITION_M, Work, WorkKind};
 
 /// How a work is written.
@@ -100,7 +100,7 @@ fn in_drawing(
             out.add(record, EntityWork::Void { gone: in_file(plan, quad), filling: Filling::Gone });
         }
     }
-    out.additions.extend(works.iter().flat_map(|w| outlines(base, w)).map(|o| demolished(plan, o)));
+    out.additions.extend(works.iter().flat_map(|w| outlines(base, walls, w)).map(|o| demolished(plan, o)));
     Ok(out)
 }
 
@@ -254,8 +254,10 @@ fn in_file(plan: &Plan, quad: &Quad) -> [DVec2; 4] {
 }
 
 /// Outlines of what a work demolishes, with the faces that it had, plan frame: where there was an opening, nothing goes.
-pub(super) fn outlines(base: &Understood, work: &Work) -> Vec<[DVec2; 4]> {
+pub(super) fn outlines(base: &Understood, walls: &[Wall], work: &Work) -> Vec<[DVec2; 4]> {
     let scale = base.plan.human_scale;
+    let thickness_m = work.walls.iter().map(|w| walls[w.0].thickness_m).fold(0.0, f64::max);
+    let cover = cover_m(&base.plan, thickness_m);
     let open = work.opening.filter(|_| work.kind == WorkKind::Widen).and_then(|k| base.axes.openings.get(k));
     let open = open.map(|o| o.jambs.map(|j| j.at * scale));
     let pieces = work.change.demolished.iter().flat_map(|quad| {
@@ -263,7 +265,7 @@ pub(super) fn outlines(base: &Understood, work: &Work) -> Vec<[DVec2; 4]> {
         let (along, length) = ((b - a).normalize_or_zero(), a.distance(b));
         let kept = open.map(|jambs| jambs.map(|p| (p - a).dot(along).clamp(0.0, length)));
         let [from, to] = kept.map_or([length; 2], |[p, q]| [p.min(q), p.max(q)]);
-        let across = (d - a).normalize_or_zero() * (COVER_M * scale);
+        let across = (d - a).normalize_or_zero() * cover;
         let piece = move |[s, e]: [f64; 2]| {
             [a + along * s + across, a + along * e + across, d + along * e - across, d + along * s - across]
         };

@@ -365,7 +365,7 @@ impl Builder<'_> {
             rooms: entry.rooms,
             elements: entry.wall.clone(),
             effort: entry.effort,
-            demolished: outlines(base, work).into_iter().map(|o| o.map(at)).collect(),
+            demolished: outlines(base, walls, work).into_iter().map(|o| o.map(at)).collect(),
             built: built.into_iter().collect(),
             filling: filling.into(),
             opening: opening.map(|o| o.jambs.map(|j| at(j.at * base.plan.human_scale))),
