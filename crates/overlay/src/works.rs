@@ -152,7 +152,8 @@ impl WorksResult {
             "close" => format!("The opening of {m} {where_} walled up"),
             "rehang" => format!("The door of {m} {where_} moved along its wall"),
             "end" => format!("The end of the wall {where_} taken back by {m}"),
-            "remove" => format!("The wall {where_} removed ({m})"),
+            // Openings in it are gone already.
+            "remove" => format!("The wall {where_} removed ({:.1} m)", work.effort.demolished_m),
             "add" => format!("A wall of {m} {where_}"),
             _ => format!("An opening of {m} {where_}"),
         }

@@ -372,7 +372,10 @@ fn state(plan: &Plan, report: &mut Report) {
     if plan.decided.is_empty() {
         return;
     }
-    let count = |name: &str| plan.decided.iter().filter(|d| d.kind.name() == name).count() as u64;
+    let count = |name: &str| match name {
+        "remove" => removals(plan),
+        _ => plan.decided.iter().filter(|d| d.kind.name() == name).count() as u64,
+    };
     let named = [
         ("open", "opening"),
         ("door", "door"),
@@ -388,6 +391,28 @@ fn state(plan: &Plan, report: &mut Report) {
         .collect();
     let text = format!("{} decided: the plan is read as it will be", words.join(", "));
     report.info("decided-works", Place::file(&plan.file), text);
+}
+
+/// Pieces that are demolished this near to each other are one removal, metres of a person: both faces of a wall, its ends,
+/// its doors.
+const TOGETHER_M: f64 = 0.3;
+
+/// How many removals there are: each mark of the user is one, and so are pieces that lie together.
+fn removals(plan: &Plan) -> u64 {
+    let all = plan.decided.iter().filter(|d| d.kind == DecidedKind::Remove);
+    let (marked, told): (Vec<&Decided>, Vec<&Decided>) = all.partition(|d| !d.ground.is_empty());
+    let reach = DVec2::splat(TOGETHER_M * plan.human_scale);
+    let points = |d: &Decided| -> Vec<DVec2> {
+        d.demolished.iter().flat_map(|t| &t.points).map(|p| plan.frame.plan_from_um(*p)).collect()
+    };
+    let mut groups: Vec<Vec<[DVec2; 2]>> = Vec::new();
+    for [lo, hi] in told.iter().filter_map(|d| box_of(points(d).into_iter())) {
+        let is_near = |[a, b]: &[DVec2; 2]| (lo - reach).cmple(*b).all() && (hi + reach).cmpge(*a).all();
+        let (near, apart): (Vec<_>, Vec<_>) = groups.into_iter().partition(|g| g.iter().any(is_near));
+        groups = apart;
+        groups.push(near.into_iter().flatten().chain([[lo, hi]]).collect());
+    }
+    (marked.len() + groups.len()) as u64
 }
 
 /// Whether an entity goes with the walls that works take away: what fills an opening and hangs or ends there.

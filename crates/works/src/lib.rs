@@ -26,6 +26,6 @@ pub mod walls;
 
 pub use change::Change;
 pub use enfilade_brief::WorkKind;
-pub use list::{Site, Work, Works, works};
+pub use list::{PARTITION_M, Site, Work, Works, works};
 pub use rooms::{Room, RoomId};
 pub use rule::Rule;

@@ -5,6 +5,7 @@ mod partition;
 
 use std::collections::BTreeMap;
 
+pub use added::PARTITION_M;
 use enfilade_brief::WorkKind;
 use enfilade_plan::axes::AxisGraph;
 use rayon::prelude::*;

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use enfilade_cad::bearing::Bearing;
+use enfilade_cad::drawing::Format;
 use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_plan::Plan;
 use enfilade_plan::axes::{AxisGraph, Edge, NodeKind, OpeningKind};
@@ -20,7 +21,9 @@ pub const BESIDE_M: f64 = 0.25;
 /// A mark on what draws so much of a wall is one on the wall, metres of a person: more than the thickness of partitions.
 const MARKED_M: f64 = 0.5;
 /// How far a stretch reaches beyond the faces, so that lines drawn on them go with it: plaster and slips of the hand.
-pub const COVER_M: f64 = 0.02;
+const COVER_M: f64 = 0.02;
+/// The same of walls that are bodies: their faces are where they are, and what stands at them stays.
+const COVER_OF_BODIES_M: f64 = 0.002;
 
 /// A wall, by its place in the list of walls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -78,7 +81,7 @@ impl Wall {
 
     /// A stretch of it with its faces, drawing frame.
     pub fn quad(&self, plan: &Plan, [from, to]: [f64; 2]) -> Quad {
-        let half = self.thickness_m / 2.0 + COVER_M * plan.human_scale;
+        let half = self.thickness_m / 2.0 + cover_m(plan, self.thickness_m);
         [(from, -half), (to, -half), (to, half), (from, half)]
             .map(|(t, v)| plan.frame.um_from_plan(self.point(t, v)))
     }
@@ -181,6 +184,12 @@ pub struct Chain {
     pub openings: Vec<usize>,
     /// Its ends: a piece, and which end of it.
     pub ends: [(WallId, usize); 2],
+}
+
+/// How far a stretch of a wall of a thickness reaches beyond its faces, metres of the plan.
+pub fn cover_m(plan: &Plan, thickness_m: f64) -> f64 {
+    let is_body = plan.format != Format::Dxf && thickness_m > 0.0;
+    plan.human_scale * if is_body { COVER_OF_BODIES_M } else { COVER_M }
 }
 
 /// Walls put together over the openings in them, each once.

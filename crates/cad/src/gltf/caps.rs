@@ -74,8 +74,27 @@ impl Slice {
 
     /// Closes what was cut in this side.
     pub fn close(&self, cut: &Cut<'_>, parts: &mut [Part]) {
-        let [u, v] = quad_axes(self.axis);
-        let (width, height) = (cut.size()[u], cut.size()[v]);
+        let height = self.size(cut)[1];
+        self.each_filled(cut, |span, [low, high]| self.quad(cut, parts, (span, height), [low, high]));
+    }
+
+    /// How much of its length stands in solid at a height: of a side along a wall that is what lies beyond the wall.
+    pub fn solid_at(&self, cut: &Cut<'_>, at: f64) -> f64 {
+        let mut out = 0.0;
+        self.each_filled(cut, |[from, to], [low, high]| {
+            let middle = from.midpoint(to);
+            out += if low.at(middle) < at && high.at(middle) > at { to - from } else { 0.0 };
+        });
+        out
+    }
+
+    fn size(&self, cut: &Cut<'_>) -> [f64; 2] {
+        quad_axes(self.axis).map(|k| cut.size()[k])
+    }
+
+    /// All between two lines where there is solid on both sides, piece by piece along the side.
+    fn each_filled(&self, cut: &Cut<'_>, mut go: impl FnMut([f64; 2], [&Line; 2])) {
+        let [width, height] = self.size(cut);
         let breaks = self.breaks(width, height);
         for pair in breaks.windows(2).filter(|p| p[1] - p[0] > cut.near) {
             let middle = pair[0].midpoint(pair[1]);
@@ -83,9 +102,8 @@ impl Slice {
                 self.lines.iter().filter(|l| l.ends[0][0] < middle && l.ends[1][0] > middle).collect();
             crossed.sort_by(|a, b| a.at(middle).total_cmp(&b.at(middle)));
             for [low, high] in filled(&crossed) {
-                let is_high = |u: f64| high.at(u).min(height) - low.at(u).max(0.0) > cut.near;
-                if is_high(middle) {
-                    self.quad(cut, parts, ([pair[0], pair[1]], height), [low, high]);
+                if high.at(middle).min(height) - low.at(middle).max(0.0) > cut.near {
+                    go([pair[0], pair[1]], [low, high]);
                 }
             }
         }

@@ -6,10 +6,22 @@ use super::caps::Slice;
 use super::cutter::Cut;
 use super::soup::{Face, Part};
 
+/// A wall is no wall that goes on beside more of its stretch than this: others that meet it there take less.
+const BESIDE_SHARE: f64 = 0.5;
+
 impl Cut<'_> {
-    /// Takes what lies in the box out of the faces of some pieces, and closes what was closed.
-    pub fn make(&self, parts: &mut [Part], is_met: &dyn Fn(usize) -> bool) {
-        let slices: Vec<Slice> = self.cutter.sides().iter().map(|s| self.slice(parts, is_met, *s)).collect();
+    /// Takes what lies in the box out of the faces of some pieces, and closes what was closed. `cut`: the height in the box at
+    /// which the scene is seen.
+    ///
+    /// # Errors
+    /// Where the box does not go through: a face that looks like a thin wall bounds something solid.
+    pub fn make(&self, parts: &mut [Part], is_met: &dyn Fn(usize) -> bool, cut: f64) -> Result<(), String> {
+        let sides = self.cutter.sides();
+        let slices: Vec<Slice> = sides.iter().map(|s| self.slice(parts, is_met, *s)).collect();
+        let most = self.size().x * BESIDE_SHARE;
+        if slices.iter().zip(sides).any(|(slice, side)| side.0 == 1 && slice.solid_at(self, cut) > most) {
+            return Err("its mesh goes on beside the stretch, so that a cut does not go through it".into());
+        }
         let mut is_cut = false;
         for part in parts.iter_mut() {
             let faces = std::mem::take(&mut part.faces);
@@ -27,6 +39,7 @@ impl Cut<'_> {
         if is_cut {
             slices.iter().for_each(|slice| slice.close(self, parts));
         }
+        Ok(())
     }
 
     fn at(&self, part: &Part, v: u32) -> DVec3 {

@@ -14,6 +14,7 @@
 
 mod additions;
 mod append;
+mod bearing;
 mod bodies;
 mod body;
 mod boxes;

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use glam::{DAffine2, DAffine3, DMat2, DMat3, DVec2, DVec3};
 
+use super::bearing::bearing;
 use super::bodies::{Bodies, SCENE_LAYER, SPACE_LAYER, bodies, is_global_id};
 use super::body::Body;
 use super::motion::z_up;
@@ -129,7 +130,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         idle_marks,
         hosts,
         slots: Vec::new(),
-        bearing: Default::default(),
+        bearing: bearing(&scene, &bodies),
         things: Vec::new(),
         tags: Vec::new(),
         called: called(&scene, &bodies, [floor, floor + above]),

@@ -171,7 +171,8 @@ impl<'m> Maker<'m, '_> {
             return Err("it has no size".into());
         }
         let is_mirrored = to_box.matrix3.determinant() < 0.0;
-        Cut { cutter: &cutter, to_box, is_mirrored, near }.make(parts, &|piece| pieces.contains(&piece));
+        let made = Cut { cutter: &cutter, to_box, is_mirrored, near };
+        made.make(parts, &|piece| pieces.contains(&piece), cut - heights[0])?;
         Ok(true)
     }
 

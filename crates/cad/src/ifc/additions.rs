@@ -113,13 +113,15 @@ pub(super) struct Writer<'b, 's, 'a> {
     /// The context of bodies.
     pub(super) context: Option<u64>,
     made: Vec<u64>,
+    /// Relation of a type → what is new of that type.
+    pub(super) of_types: BTreeMap<u64, Vec<u64>>,
 }
 
 impl<'b, 's, 'a> Writer<'b, 's, 'a> {
     /// A writer whose first instance has the number `next`.
     pub(super) fn new(b: &'b Building<'s, 'a>, next: u64, z: f64) -> Self {
         let (history, context) = (history(b), context(b));
-        Self { b, next, out: Vec::new(), z, history, context, made: Vec::new() }
+        Self { b, next, out: Vec::new(), z, history, context, made: Vec::new(), of_types: BTreeMap::new() }
     }
 
     /// What was written, and the next free number.

@@ -12,6 +12,7 @@
 //! [`SourceRef::handle`]: crate::drawing::SourceRef::handle
 
 mod additions;
+mod alike;
 mod body;
 mod building;
 mod clean;
@@ -347,12 +348,13 @@ pub fn patch(
     let rooms = mover.rooms();
     let next = mover.next_id();
     let (mut splices, mut added) = (mover.splices, mover.added);
-    let (works, next) = works::text(&building, options, next, edits)?;
-    added.extend(works);
+    let works = works::text(&building, options, next, edits)?;
+    added.extend(works.added);
+    splices.extend(works.splices);
     let end = line_end(bytes);
     let text = match own {
         [] => Vec::new(),
-        _ => additions::text(&building, options, next, (edits, &rooms, &figures), own)?,
+        _ => additions::text(&building, options, works.next, (edits, &rooms, &figures), own)?,
     };
     if !text.is_empty() {
         added.extend([OWN_MARK, end].concat());

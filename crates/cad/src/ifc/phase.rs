@@ -35,21 +35,23 @@ fn words(step: &Step<'_>, arg: &Arg) -> String {
     }
 }
 
-/// The phase of an element by its own property sets, else by those of its type.
+/// The phase of an element by its own property sets, else by those of its type. What was built and is to go has both.
 pub(super) fn phase(step: &Step<'_>, model: &Model, id: u64) -> Phase {
+    let of = |set: &u64| {
+        let args = step.args(*set);
+        let name = args.get(2).and_then(|a| step.text(a)).unwrap_or_default();
+        let mut properties = args.get(4).map(Arg::ids).unwrap_or_default().into_iter();
+        properties.find_map(|property| {
+            let of = step.args(property);
+            let key = of.first().and_then(|a| step.text(a))?;
+            said(&name, key.trim(), &words(step, of.get(2)?))
+        })
+    };
     for sets in [model.properties.get(&id), model.of_types.get(&id)].into_iter().flatten() {
-        for set in sets {
-            let args = step.args(*set);
-            let name = args.get(2).and_then(|a| step.text(a)).unwrap_or_default();
-            let mut properties = args.get(4).map(Arg::ids).unwrap_or_default().into_iter();
-            let found = properties.find_map(|property| {
-                let of = step.args(property);
-                let key = of.first().and_then(|a| step.text(a))?;
-                said(&name, key.trim(), &words(step, of.get(2)?))
-            });
-            if let Some(phase) = found {
-                return phase;
-            }
+        let found: Vec<Phase> = sets.iter().filter_map(of).collect();
+        let is_gone = found.contains(&Phase::Demolished).then_some(Phase::Demolished);
+        if let Some(phase) = is_gone.or(found.first().copied()) {
+            return phase;
         }
     }
     Phase::Existing

@@ -4,6 +4,7 @@ use glam::{DAffine3, DVec2, DVec3};
 
 use super::ReadOptions;
 use super::additions::{Writer, refs};
+use super::alike::{Bar, Door};
 use super::building::Building;
 use super::geo::is_upright;
 use super::number::real;
@@ -11,10 +12,21 @@ use super::standing::reach;
 use super::step::Arg;
 use crate::drawing::{Edit, EntityWork, Filling, Shape};
 use crate::sizes::{BELOW_FLOOR_M, LEAF_M, OPENING_HEIGHT_M};
+use crate::splice::Splice;
 use crate::step_text::encode;
 use enfilade_report::{Error, Place, Report};
 
-/// Instances that make the works of some edits; the others are left to their own. The next free number follows.
+/// What makes works.
+pub(super) struct Written {
+    /// New instances, each with its line end.
+    pub added: Vec<u8>,
+    /// Lists that name them: what is new has the type of what is like it.
+    pub splices: Vec<Splice>,
+    /// The next free number.
+    pub next: u64,
+}
+
+/// What makes the works of some edits; the others are left to their own.
 ///
 /// # Errors
 /// [`Error::Input`] for a work that is not written in a building, and for an element that is not there.
@@ -23,9 +35,9 @@ pub(super) fn text(
     options: &ReadOptions,
     next: u64,
     edits: &[Edit],
-) -> Result<(Vec<u8>, u64), Error> {
+) -> Result<Written, Error> {
     if !edits.iter().any(Edit::is_work) {
-        return Ok((Vec::new(), next));
+        return Ok(Written { added: Vec::new(), splices: Vec::new(), next });
     }
     let storey = b.storey(options.storey.as_deref(), options.sight, &mut Report::default())?;
     let mut writer = Writer::new(b, next, storey.map_or(0.0, |s| s.floor));
@@ -42,8 +54,9 @@ pub(super) fn text(
         }
         match work {
             EntityWork::Void { gone, filling } => {
-                let opening = writer.opening(id, gone, *filling);
-                writer.filled(opening, gone, *filling, storey.map(|s| s.id));
+                let door = Door::like(b, gone, storey.map(|s| s.id)).filter(|_| *filling == Filling::Door);
+                let opening = writer.opening(id, gone, (*filling, door));
+                writer.filled(opening, gone, (*filling, door), storey.map(|s| s.id));
             }
             EntityWork::Drop => writer.demolished(id),
             EntityWork::Build { shapes } => {
@@ -58,7 +71,9 @@ pub(super) fn text(
             }
         }
     }
-    Ok(writer.into_parts())
+    let splices = writer.type_lists();
+    let (added, next) = writer.into_parts();
+    Ok(Written { added, splices, next })
 }
 
 /// The corners of a body as it stands on the floor.
@@ -73,17 +88,24 @@ fn ring(shape: &Shape) -> Option<Vec<DVec2>> {
 
 /// What a new body is placed by: a placement that stands upright, and where that is in the world.
 #[derive(Clone, Copy)]
-struct Base {
+pub(super) struct Base {
     placement: Option<u64>,
-    world: DAffine3,
+    pub world: DAffine3,
 }
 
-/// A new body.
-struct Body {
-    placement: u64,
-    shape: u64,
+/// A new body: its placement, its item and the representation that shows it.
+#[derive(Clone, Copy)]
+pub(super) struct Body {
+    pub placement: u64,
+    pub item: u64,
+    pub shown: u64,
     /// For what is placed by it.
     base: Base,
+}
+
+/// Height of a new door: that of its like.
+fn height_m(door: Option<Door>) -> f64 {
+    door.map_or(OPENING_HEIGHT_M, |d| d.height_m)
 }
 
 /// Decimals of a coordinate that is turned into another frame: below them lies rounding.
@@ -106,30 +128,57 @@ impl Writer<'_, '_, '_> {
         placement.and_then(upright).unwrap_or(Base { placement: None, world: DAffine3::IDENTITY })
     }
 
-    /// An upright body over a ring, placed by `base`.
+    /// An upright body over a ring, placed by `base` about its first corner: coordinates of a map have too many digits for
+    /// some programs.
     fn body(&mut self, base: Base, ring: &[DVec2], [z, top]: [f64; 2]) -> Body {
-        let flat = |p: DVec3| format!("IFCCARTESIANPOINT(({},{}))", rounded(p.x), rounded(p.y));
-        // Coordinates about the first corner: those of a map have too many digits for some programs.
-        let local = |p: DVec2| base.world.inverse().transform_point3(p.extend(z));
-        let zero = local(ring[0]);
-        let mut corners: Vec<u64> = ring.iter().map(|p| self.add(&flat(local(*p) - zero))).collect();
+        let zero = base.world.inverse().transform_point3(ring[0].extend(z));
+        self.body_at(base, DAffine3::from_translation(zero), ring, top - z)
+    }
+
+    /// The same in a frame of its own, relative to `base`.
+    fn body_at(&mut self, base: Base, frame: DAffine3, ring: &[DVec2], height: f64) -> Body {
+        let world = base.world * frame;
+        let z = world.translation.z;
+        let local = |p: &DVec2| world.inverse().transform_point3(p.extend(z));
+        let mut corners: Vec<u64> = ring.iter().map(|p| self.flat(local(p).truncate())).collect();
         corners.push(corners[0]);
         let line = self.add(&format!("IFCPOLYLINE({})", refs(&corners)));
         let profile = self.add(&format!("IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#{line})"));
         let origin = self.add("IFCCARTESIANPOINT((0.,0.,0.))");
         let axes = self.add(&format!("IFCAXIS2PLACEMENT3D(#{origin},$,$)"));
         let up = self.add("IFCDIRECTION((0.,0.,1.))");
-        let body = self.add(&format!("IFCEXTRUDEDAREASOLID(#{profile},#{axes},#{up},{})", real(top - z)));
+        let item = self.add(&format!("IFCEXTRUDEDAREASOLID(#{profile},#{axes},#{up},{})", real(height)));
         let context = self.context.map_or("$".into(), |c| format!("#{c}"));
-        let shown = self.add(&format!("IFCSHAPEREPRESENTATION({context},'Body','SweptSolid',(#{body}))"));
-        let shape = self.add(&format!("IFCPRODUCTDEFINITIONSHAPE($,$,(#{shown}))"));
-        let at = [zero.x, zero.y, zero.z].map(rounded).join(",");
+        let shown = self.add(&format!("IFCSHAPEREPRESENTATION({context},'Body','SweptSolid',(#{item}))"));
+        let placement = self.placement(base, &frame);
+        Body { placement, item, shown, base: Base { placement: Some(placement), world } }
+    }
+
+    /// A point of a flat curve.
+    fn flat(&mut self, p: DVec2) -> u64 {
+        self.add(&format!("IFCCARTESIANPOINT(({},{}))", rounded(p.x), rounded(p.y)))
+    }
+
+    /// An upright placement relative to another.
+    fn placement(&mut self, base: Base, frame: &DAffine3) -> u64 {
+        let at = frame.translation.to_array().map(rounded).join(",");
         let at = self.add(&format!("IFCCARTESIANPOINT(({at}))"));
-        let axes = self.add(&format!("IFCAXIS2PLACEMENT3D(#{at},$,$)"));
+        let x = frame.matrix3.x_axis;
+        let turned = if x == DVec3::X {
+            "$,$".into()
+        } else {
+            let up = self.add("IFCDIRECTION((0.,0.,1.))");
+            let x = self.add(&format!("IFCDIRECTION(({},{},0.))", real(x.x), real(x.y)));
+            format!("#{up},#{x}")
+        };
+        let axes = self.add(&format!("IFCAXIS2PLACEMENT3D(#{at},{turned})"));
         let within = base.placement.map_or("$".into(), |p| format!("#{p}"));
-        let placement = self.add(&format!("IFCLOCALPLACEMENT({within},#{axes})"));
-        let world = base.world * DAffine3::from_translation(zero);
-        Body { placement, shape, base: Base { placement: Some(placement), world } }
+        self.add(&format!("IFCLOCALPLACEMENT({within},#{axes})"))
+    }
+
+    /// The shape of an element.
+    fn shape(&mut self, shown: &[u64]) -> u64 {
+        self.add(&format!("IFCPRODUCTDEFINITIONSHAPE($,$,{})", refs(shown)))
     }
 
     /// Metres above the floor in file units.
@@ -137,13 +186,19 @@ impl Writer<'_, '_, '_> {
         self.z + m / self.b.geo.metres
     }
 
-    /// An opening through a wall.
-    fn opening(&mut self, wall: u64, gone: &[DVec2; 4], filling: Filling) -> (u64, Base) {
-        let [below, top] = [-BELOW_FLOOR_M, OPENING_HEIGHT_M].map(|m| self.above(m));
+    /// An opening through a wall, for a door as high as its like.
+    fn opening(
+        &mut self,
+        wall: u64,
+        gone: &[DVec2; 4],
+        (filling, door): (Filling, Option<Door>),
+    ) -> (u64, Base) {
+        let [below, top] = [-BELOW_FLOOR_M, height_m(door)].map(|m| self.above(m));
         let whole = reach(self.b, wall).filter(|_| filling == Filling::Gone);
         let over = BELOW_FLOOR_M / self.b.geo.metres;
         let heights = whole.map_or([below, top], |[lo, hi]| [lo - over, hi + over]);
-        let Body { placement, shape, base } = self.body(self.base(wall), gone, heights);
+        let body = self.body(self.base(wall), gone, heights);
+        let (placement, shape) = (body.placement, self.shape(&[body.shown]));
         let (history, last) = (self.history.clone(), if self.is_old() { "" } else { ",.OPENING." });
         let gid = self.global_id("opening");
         let made = self.add(&format!(
@@ -152,7 +207,7 @@ impl Writer<'_, '_, '_> {
         let gid = self.global_id("voids");
         self.add(&format!("IFCRELVOIDSELEMENT('{gid}',{history},$,$,#{wall},#{made})"));
         self.status(made, "Pset_OpeningElementCommon", "NEW");
-        (made, base)
+        (made, body.base)
     }
 
     /// A door or a window in an opening: a leaf or a pane in the middle of the wall.
@@ -160,11 +215,13 @@ impl Writer<'_, '_, '_> {
         &mut self,
         (opening, base): (u64, Base),
         gone: &[DVec2; 4],
-        filling: Filling,
+        (filling, door): (Filling, Option<Door>),
         storey: Option<u64>,
     ) {
+        // What a type says of its doors is left to it.
         let (keyword, name, set, last) = match filling {
             Filling::Nothing | Filling::Gone => return,
+            Filling::Door if door.is_some() => ("IFCDOOR", "Door", "Pset_DoorCommon", ",$,$,$"),
             Filling::Door => ("IFCDOOR", "Door", "Pset_DoorCommon", ",.DOOR.,.NOTDEFINED.,$"),
             Filling::Glass => ("IFCWINDOW", "Window", "Pset_WindowCommon", ",.WINDOW.,.NOTDEFINED.,$"),
         };
@@ -172,9 +229,10 @@ impl Writer<'_, '_, '_> {
         let (right, left) = ((a + d) / 2.0, (b + c) / 2.0);
         let off = (d - a).normalize_or_zero() * (LEAF_M / 2.0 / self.b.geo.metres);
         let ring = [right - off, left - off, left + off, right + off];
-        let heights = [self.above(0.0), self.above(OPENING_HEIGHT_M)];
-        let Body { placement, shape, .. } = self.body(base, &ring, heights);
-        let (height, width) = (real(OPENING_HEIGHT_M / self.b.geo.metres), real(right.distance(left)));
+        let heights = [self.above(0.0), self.above(height_m(door))];
+        let body = self.body(base, &ring, heights);
+        let (placement, shape) = (body.placement, self.shape(&[body.shown]));
+        let (height, width) = (real(height_m(door) / self.b.geo.metres), real(right.distance(left)));
         let (history, last) = (self.history.clone(), if self.is_old() { "" } else { last });
         let gid = self.global_id("filling");
         let made = self.add(&format!(
@@ -183,28 +241,45 @@ impl Writer<'_, '_, '_> {
         let gid = self.global_id("fills");
         self.add(&format!("IFCRELFILLSELEMENT('{gid}',{history},$,$,#{opening},#{made})"));
         self.stands(made, storey);
+        if let Some(door) = door {
+            self.typed(made, door.id);
+            self.on_layer(body, door.id);
+        }
         self.status(made, set, "NEW");
     }
 
-    /// A wall as high as another, of its material.
+    /// A wall as high as another and, if it is as thick, of its type and its layers.
     fn wall(&mut self, like: u64, (ring, heights): (&[DVec2], [f64; 2]), storey: Option<u64>) {
         let base = self.base(storey.unwrap_or(like));
-        let Body { placement, shape, .. } = self.body(base, ring, heights);
+        let bar = Bar::of(self.b, ring, like);
+        let (body, shape) = match &bar {
+            Some(bar) => self.bar(bar, base, heights, like),
+            None => {
+                let body = self.body(base, ring, heights);
+                (body, self.shape(&[body.shown]))
+            }
+        };
+        let placement = body.placement;
         let (history, last) = (self.history.clone(), if self.is_old() { "" } else { ",$" });
         let gid = self.global_id("wall");
         let made = self.add(&format!("IFCWALL('{gid}',{history},'Wall',$,$,#{placement},#{shape},${last})"));
         self.stands(made, storey);
-        let material = self.b.step.all("IFCRELASSOCIATESMATERIAL").find_map(|i| {
-            let args = self.b.step.args_of(i);
-            args.get(4).filter(|a| a.ids().contains(&like)).and_then(|_| args.get(5)?.id())
-        });
-        // Layers are those of a wall of their thickness and place; a plain material holds of any.
-        let is_plain = |id: &u64| self.b.step.keyword(*id) == "IFCMATERIAL";
-        if let Some(material) = material.filter(is_plain) {
-            let gid = self.global_id("material");
-            self.add(&format!("IFCRELASSOCIATESMATERIAL('{gid}',{history},$,$,(#{made}),#{material})"));
-        }
+        self.alike(made, like, bar.is_some_and(|bar| bar.is_as_thick));
+        self.on_layer(body, like);
         self.status(made, "Pset_WallCommon", "NEW");
+    }
+
+    /// A straight wall along an axis of its own, which its layers lie about.
+    fn bar(&mut self, bar: &Bar, base: Base, [z, top]: [f64; 2], like: u64) -> (Body, u64) {
+        let body = self.body_at(base, bar.frame(base, z), &bar.ring, top - z);
+        let mut shown = Vec::new();
+        if let Some(context) = self.axis_context(like) {
+            let ends = [DVec2::ZERO, DVec2::new(bar.length, 0.0)].map(|p| self.flat(p));
+            let line = self.add(&format!("IFCPOLYLINE({})", refs(&ends)));
+            shown.push(self.add(&format!("IFCSHAPEREPRESENTATION(#{context},'Axis','Curve2D',(#{line}))")));
+        }
+        shown.push(body.shown);
+        (body, self.shape(&shown))
     }
 
     /// Puts an element into its storey.

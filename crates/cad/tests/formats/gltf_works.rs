@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use base64::Engine;
+use enfilade_cad::bearing::Bearing;
 use enfilade_cad::drawing::{Drawing, Edit, EntityWork, Filling, Shape, Vertex};
 use enfilade_cad::{ReadOptions, patch, read};
 use enfilade_report::Report;
@@ -447,4 +448,36 @@ fn what_cannot_be_cut_is_said() {
     let away = work(0, EntityWork::Void { gone: stretch(7.0, 8.0), filling: Filling::Nothing });
     let refused = patch("a.glb", &glb(&(json, data)), &ReadOptions::default(), &[away], &[]);
     assert!(refused.unwrap_err().to_string().contains("no wall of its mesh stands there"));
+}
+
+/// A room that is one solid shows a face where a thin wall would stand: what is cut into that is a niche and no opening.
+#[test]
+fn a_cut_that_does_not_go_through_is_said() {
+    let mut data = Data::default();
+    let hull = data.primitive(&boxes(&[[[0.0, 0.0, -3.0], [5.0, 2.8, 3.0]]]));
+    let meshes = json!([{"name": "hull", "primitives": [hull]}]);
+    let hull = data.scene(meshes, json!([{"name": "Cube", "mesh": 0}]), json!([0]));
+    for filling in [Filling::Nothing, Filling::Gone] {
+        let refused = patch("a.glb", &glb(&hull), &ReadOptions::default(), &[void(0, filling)], &[]);
+        assert!(refused.unwrap_err().to_string().contains("goes on beside the stretch"));
+    }
+}
+
+/// A node, or one above it, says that its walls carry, however the program that wrote it writes flags.
+#[test]
+fn walls_that_carry_are_told_by_extras() {
+    let bearing = |node: usize, extras: Value| {
+        let (mut json, data) = house();
+        json["nodes"][node]["extras"] = extras;
+        read_as("a.glb", &glb(&(json, data)), &ReadOptions::default()).bearing
+    };
+    for yes in [json!(true), json!(1), json!("T"), json!("true")] {
+        let found = bearing(0, json!({"LoadBearing": yes}));
+        assert_eq!(found.into_iter().collect::<Vec<_>>(), [(0, Bearing::Stated)]);
+    }
+    for no in [json!(false), json!(0), json!("F"), json!(null)] {
+        assert!(bearing(0, json!({"LoadBearing": no})).is_empty());
+    }
+    assert_eq!(bearing(2, json!({"LoadBearing": true})).len(), 2, "all that hangs on it");
+    assert_eq!(bearing(1, json!({"FireRating": "REI 90"})).get(&1), Some(&Bearing::Fire));
 }

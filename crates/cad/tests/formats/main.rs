@@ -12,4 +12,5 @@ mod dxf_patch;
 mod dxf_works;
 mod gltf_against_the_gltf_crate;
 mod gltf_works;
+mod ifc_works;
 mod support;

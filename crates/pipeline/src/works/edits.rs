@@ -19,8 +19,8 @@ use enfilade_config::WorkTable;
 use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_plan::{DrawnBy, Plan, Wall as Drawn};
 use enfilade_works::change::Quad;
-use enfilade_works::walls::{BESIDE_M, COVER_M, Wall};
-use enfilade_works::{Work, WorkKind};
+use enfilade_works::walls::{BESIDE_M, Wall, cover_m};
+use enfilade_works::{PARTITION_M, Work, WorkKind};
 
 /// How a work is written.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -100,7 +100,7 @@ fn in_drawing(
             out.add(record, EntityWork::Void { gone: in_file(plan, quad), filling: Filling::Gone });
         }
     }
-    out.additions.extend(works.iter().flat_map(|w| outlines(base, w)).map(|o| demolished(plan, o)));
+    out.additions.extend(works.iter().flat_map(|w| outlines(base, walls, w)).map(|o| demolished(plan, o)));
     Ok(out)
 }
 
@@ -171,11 +171,12 @@ fn add_in_building(out: &mut Written, base: &Understood, walls: &[Wall], work: &
             out.add(*record, EntityWork::Void { gone: in_file(plan, quad), filling: filling(work) });
         }
     }
-    if let (Some([a, b]), Some(record)) = (built_axis(base, work), records.first()) {
-        let off = (b - a).normalize_or_zero().perp() * (thickness_m(walls, work) / 2.0);
+    let like = like(base, walls, work).or(records.first().copied());
+    if let (Some([a, b]), Some(record)) = (built_axis(base, work), like) {
+        let off = (b - a).normalize_or_zero().perp() * (thickness_m(base, walls, work) / 2.0);
         let corner = |p: DVec2| Vertex { at: plan.frame.written(plan.frame.file_from_plan(p)), bulge: 0.0 };
         let vertices = [a - off, b - off, b + off, a + off].map(corner).to_vec();
-        out.add(*record, EntityWork::Build { shapes: vec![Shape::Polyline { vertices, closed: true }] });
+        out.add(record, EntityWork::Build { shapes: vec![Shape::Polyline { vertices, closed: true }] });
         for record in hung(base, work) {
             out.add(record, EntityWork::Drop);
         }
@@ -186,9 +187,23 @@ fn add_in_building(out: &mut Written, base: &Understood, walls: &[Wall], work: &
     }
 }
 
-/// Thickness of the wall that a work changes, metres of the plan.
-pub(super) fn thickness_m(walls: &[Wall], work: &Work) -> f64 {
-    work.walls.first().map_or(0.0, |w| walls[w.0].thickness_m)
+/// Thickness of the wall that a work changes or builds, metres of the plan.
+pub(super) fn thickness_m(base: &Understood, walls: &[Wall], work: &Work) -> f64 {
+    match work.kind {
+        WorkKind::Add => PARTITION_M * base.plan.human_scale,
+        _ => work.walls.first().map_or(0.0, |w| walls[w.0].thickness_m),
+    }
+}
+
+/// The wall whose like a new partition is: the nearest one as thick that is no structure.
+fn like(base: &Understood, walls: &[Wall], work: &Work) -> Option<usize> {
+    let (thickness, middle) = (thickness_m(base, walls, work), work.stretch[0].midpoint(work.stretch[1]));
+    let is_like = |w: &&Wall| {
+        w.bearing.is_none() && (w.thickness_m - thickness).abs() < LEAST_M * base.plan.human_scale
+    };
+    let all = walls.iter().filter(|_| work.kind == WorkKind::Add).filter(is_like);
+    let far = |w: &Wall| w.point(w.length_m / 2.0, 0.0).distance(middle);
+    all.min_by(|a, b| far(a).total_cmp(&far(b))).and_then(|w| w.records.first().copied())
 }
 
 /// The axis of what is walled up or built, plan frame.
@@ -239,8 +254,10 @@ fn in_file(plan: &Plan, quad: &Quad) -> [DVec2; 4] {
 }
 
 /// Outlines of what a work demolishes, with the faces that it had, plan frame: where there was an opening, nothing goes.
-pub(super) fn outlines(base: &Understood, work: &Work) -> Vec<[DVec2; 4]> {
+pub(super) fn outlines(base: &Understood, walls: &[Wall], work: &Work) -> Vec<[DVec2; 4]> {
     let scale = base.plan.human_scale;
+    let thickness_m = work.walls.iter().map(|w| walls[w.0].thickness_m).fold(0.0, f64::max);
+    let cover = cover_m(&base.plan, thickness_m);
     let open = work.opening.filter(|_| work.kind == WorkKind::Widen).and_then(|k| base.axes.openings.get(k));
     let open = open.map(|o| o.jambs.map(|j| j.at * scale));
     let pieces = work.change.demolished.iter().flat_map(|quad| {
@@ -248,7 +265,7 @@ pub(super) fn outlines(base: &Understood, work: &Work) -> Vec<[DVec2; 4]> {
         let (along, length) = ((b - a).normalize_or_zero(), a.distance(b));
         let kept = open.map(|jambs| jambs.map(|p| (p - a).dot(along).clamp(0.0, length)));
         let [from, to] = kept.map_or([length; 2], |[p, q]| [p.min(q), p.max(q)]);
-        let across = (d - a).normalize_or_zero() * (COVER_M * scale);
+        let across = (d - a).normalize_or_zero() * cover;
         let piece = move |[s, e]: [f64; 2]| {
             [a + along * s + across, a + along * e + across, d + along * e - across, d + along * s - across]
         };
@@ -294,7 +311,7 @@ pub(super) fn beside(base: &Understood, walls: &[Wall], work: &Work) -> Vec<Work
     let new = built_axis(base, work).map(|axis| WorkTable {
         kind: "new".into(),
         points: axis.map(|p| plan.frame.written(plan.frame.file_from_plan(p)).into()).to_vec(),
-        text: Some(thickness_m(walls, work) / plan.human_scale)
+        text: Some(thickness_m(base, walls, work) / plan.human_scale)
             .filter(|m| *m > 0.0)
             .map(|m| format!("{m:.3}m")),
     });

@@ -350,7 +350,7 @@ impl Builder<'_> {
         let mm = |v: f64| (v * 1e3).round() / 1e3 + 0.0;
         let at = |p: DVec2| base.plan.frame.drawing_m_from_plan(p).map(mm);
         let built = built_axis(base, work)
-            .map(|axis| BuiltWall { ends: axis.map(at), thickness_m: mm(thickness_m(walls, work)) });
+            .map(|axis| BuiltWall { ends: axis.map(at), thickness_m: mm(thickness_m(base, walls, work)) });
         let opening = work.opening.and_then(|k| base.axes.openings.get(k));
         let filling = match filling(work) {
             Filling::Door => "door",
@@ -365,7 +365,7 @@ impl Builder<'_> {
             rooms: entry.rooms,
             elements: entry.wall.clone(),
             effort: entry.effort,
-            demolished: outlines(base, work).into_iter().map(|o| o.map(at)).collect(),
+            demolished: outlines(base, walls, work).into_iter().map(|o| o.map(at)).collect(),
             built: built.into_iter().collect(),
             filling: filling.into(),
             opening: opening.map(|o| o.jambs.map(|j| at(j.at * base.plan.human_scale))),

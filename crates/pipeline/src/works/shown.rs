@@ -20,9 +20,9 @@ pub(super) fn strokes(base: &Understood, walls: &[Wall], works: &[&Work]) -> Vec
         kind,
     };
     let of = |work: &&Work| {
-        let gone = outlines(base, work).into_iter().map(|o| ring(o, StrokeKind::Demolished));
+        let gone = outlines(base, walls, work).into_iter().map(|o| ring(o, StrokeKind::Demolished));
         let built = built_axis(base, work).map(|[a, b]| {
-            let off = (b - a).normalize_or_zero().perp() * (thickness_m(walls, work) / 2.0);
+            let off = (b - a).normalize_or_zero().perp() * (thickness_m(base, walls, work) / 2.0);
             ring([a - off, b - off, b + off, a + off], StrokeKind::Built)
         });
         gone.chain(built).collect::<Vec<_>>()

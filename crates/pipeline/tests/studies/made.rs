@@ -254,3 +254,18 @@ fn what_is_taken_out_changes_no_measure() {
         assert_eq!(mean(&cleaned), mean(&made), "{file}");
     }
 }
+
+/// A wall that ends at a door leaves no jamb in the air.
+#[test]
+fn a_wall_beside_doors_goes_as_listed() {
+    let bytes = std::fs::read(sample("small-office.glb")).unwrap();
+    let input = Input::new("small-office.glb", &bytes, 1);
+    let (listed, _) = works_of(&input, &settings(), &Cancel::default()).unwrap();
+    let at = |work: &WorkEntry, x: f64, y: f64| (work.stretch[0][0] - x).hypot(work.stretch[0][1] - y) < 0.1;
+    for [x, y] in [[13.5, 4.95], [17.05, 4.95], [6.33, 4.95]] {
+        let work = listed.result.works.iter().find(|w| w.kind == "remove" && at(w, x, y)).unwrap();
+        let made = made("small-office.glb", &bytes, &[work.id]).unwrap();
+        assert!(made.tables.is_empty());
+        assert!((made.expected - made.gain).abs() < 1e-3, "{x} {y}: {} {}", made.expected, made.gain);
+    }
+}

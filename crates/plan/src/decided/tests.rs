@@ -130,3 +130,20 @@ fn texts_are_read_as_people_write_them() {
     }
     assert!(said("wide", 1.0).is_err() && said("-1m", 1.0).is_err());
 }
+
+/// Both faces of a wall, with their outline, are one removal; a wall elsewhere is another.
+#[test]
+fn what_is_demolished_is_counted_by_works() {
+    let mut entities = rooms();
+    let gone = [
+        (3, [[2.0, 0.0], [2.0, 2.0]], false),
+        (4, [[2.1, 0.0], [2.1, 2.0]], false),
+        (5, [[2.0, 0.0], [2.1, 2.0]], true),
+        (6, [[6.0, 0.0], [6.0, 2.0]], false),
+    ];
+    entities.extend(gone.map(|(k, points, closed)| entity(k, "EF-DEMOLISHED", &points, closed)));
+    let (plan, report) = understood(entities, Vec::new());
+    assert_eq!(plan.decided.len(), 4);
+    let said = report.problems.iter().find(|p| p.code == "decided-works").unwrap();
+    assert!(said.text.starts_with("2 removals decided"), "{}", said.text);
+}

@@ -15,7 +15,7 @@ use crate::walls::{Wall, WallId};
 /// Steps of places for a partition, metres of a person: whoever divides a room does not ask for centimetres.
 const STEP_M: f64 = 0.5;
 /// Thickness of a new partition, metres of a person.
-const THICK_M: f64 = 0.1;
+pub const PARTITION_M: f64 = 0.1;
 /// Least width of what a partition leaves beside it, metres of a person: a way.
 const SIDE_M: f64 = 0.9;
 /// Lengths of partitions, metres of a person: less is a pier, more crosses a hall.
@@ -101,7 +101,7 @@ impl Finder<'_> {
 
     fn faces(&self, [a, b]: [DVec2; 2]) -> Vec<Segment> {
         let plan = self.site.present.plan;
-        let half = (b - a).normalize_or_zero().perp() * (THICK_M * self.scale() / 2.0);
+        let half = (b - a).normalize_or_zero().perp() * (PARTITION_M * self.scale() / 2.0);
         [half, -half]
             .map(|h| Segment { a: plan.frame.um_from_plan(a + h), b: plan.frame.um_from_plan(b + h) })
             .to_vec()

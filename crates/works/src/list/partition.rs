@@ -67,6 +67,9 @@ impl Finder<'_> {
         let open: f64 =
             chain.openings.iter().map(|o| self.site.axes.openings[*o].width_m * self.scale()).sum();
         let length = stretch[1] - stretch[0];
+        // Where it met other walls, their faces are made good; an end at an opening leaves nothing.
+        let is_met = line.ends.map(|end| matches!(end, WallEnd::Joint(_)));
+        let built = line.jambs(plan, stretch).into_iter().zip(is_met).filter(|(_, met)| *met);
         out.tried += 1;
         out.legal += usize::from(forbidden_by.is_empty());
         out.works.push(Work {
@@ -76,10 +79,9 @@ impl Finder<'_> {
             stretch: ends,
             width_m: length,
             rooms: pair,
-            // Where it met other walls, their faces are made good.
             change: Change {
                 demolished: vec![line.quad(plan, stretch)],
-                built: line.jambs(plan, stretch).to_vec(),
+                built: built.map(|(jamb, _)| jamb).collect(),
             },
             demolished_m: length - open,
             built_m: 0.0,
