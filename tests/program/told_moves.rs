@@ -177,6 +177,23 @@ fn a_door_is_not_made_narrower_in_silence() {
     }
 }
 
+/// A way ends where nothing beyond can be built, and says what stands there; the word that permits it takes it on.
+#[test]
+fn a_way_ends_where_nothing_beyond_can_be_built() {
+    let room = Plan::default().ring("WALL", [0.0, 0.0, 12.0, 8.0]).line([6.0, 2.0, 6.0, 6.0]);
+    let plan = room.mark([5.8, 1.8, 6.2, 6.2], "x -5.8 5.8; name part");
+    let result = plan.run(&["--evaluations", "20"]);
+    let told_now = told(&result, "move-shortened");
+    let says = ["`x -5.8 m to 5.8 m`", "less than 0.9 m between", "--allow narrow-ways"];
+    assert!(told_now.len() == 1 && says.iter().all(|s| told_now[0].contains(s)), "{told_now:?}");
+    let bounds = |r: &Value| ["lower", "upper"].map(|k| r["moves"][0][k].as_f64().unwrap());
+    let [lower, upper] = bounds(&result);
+    assert!((-5.1..-5.09).contains(&lower) && (5.09..=5.1).contains(&upper), "{lower} {upper}");
+    let allowed = plan.run(&["--evaluations", "20", "--allow", "narrow-ways"]);
+    assert_eq!(bounds(&allowed), [-5.8, 5.8]);
+    assert!(told(&allowed, "move-shortened").is_empty());
+}
+
 /// A link of walls none of which moves does nothing, and is named.
 #[test]
 fn a_link_of_what_does_not_move_is_named() {

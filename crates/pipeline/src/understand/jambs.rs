@@ -32,7 +32,7 @@ pub(crate) fn ending_at_jambs<'a>(
 fn jamb_words(p: &Parameter, shorter: &Shortened) -> String {
     format!(
         "group {:?}: `{}` would take a wall past a jamb of {}, {:.2} m wide, and leave it narrower; it moves by `{}` alone; \
-         an outline that takes the door's jambs in too moves the door along",
+         an outline that takes the door's jambs in too moves the door along, `--allow narrow-ways` takes it on",
         p.group_name,
         shorter.stated,
         shorter.door.place_words(),
