@@ -43,12 +43,14 @@ pub struct Asked {
     pub demand: Demand,
     /// Who asks.
     pub origin: Origin,
+    /// Ground of a mark that is asked of instead of a room, drawing frame, micrometres.
+    pub ground: Option<Vec<PointUm>>,
 }
 
 impl Asked {
     /// An item of the brief itself.
     pub fn said(demand: Demand) -> Self {
-        Self { demand, origin: Origin::Said }
+        Self { demand, origin: Origin::Said, ground: None }
     }
 }
 
@@ -84,6 +86,12 @@ impl Finding {
     /// About a room.
     pub fn of_room(verdict: Verdict, room: RoomId, measured: Option<f64>) -> Self {
         Self { verdict, rooms: vec![room], openings: Vec::new(), measured, marks: Vec::new(), note: None }
+    }
+
+    /// About ground of a mark.
+    pub(crate) fn of_ground(verdict: Verdict, measured: f64) -> Self {
+        let (rooms, openings, marks) = Default::default();
+        Self { verdict, rooms, openings, measured: Some(measured), marks, note: None }
     }
 
     /// What a plan cannot tell.

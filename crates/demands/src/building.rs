@@ -41,6 +41,8 @@ pub struct Opening {
     pub beside: [Beside; 2],
     /// The leaf as it is drawn, where it takes ground from a room.
     pub leaves: Vec<Vec<PointUm>>,
+    /// Record of the door or window, where the file calls it so.
+    pub record: Option<usize>,
 }
 
 /// Where one leaves the storey.

@@ -23,6 +23,8 @@
 //! # Ok::<(), String>(())
 //! ```
 
+use enfilade_brief::demand::{Bound, Demand, DemandKind};
+
 mod answer;
 mod building;
 mod fence;
@@ -31,6 +33,8 @@ mod peak;
 mod polygon;
 mod rules;
 mod select;
+#[cfg(test)]
+mod shapely_tests;
 mod site;
 mod view;
 mod walk;
@@ -39,8 +43,14 @@ pub use answer::{Answer, Asked, Finding, Mark, Origin, Verdict};
 pub use building::{Building, Exit, Opening, OpeningId, Room, RoomId};
 pub use rules::{RuleSet, rule_names, rule_set};
 
+/// Between what the value of an item should lie: as it is said, or as its kind has it.
+pub fn bound_of(demand: &Demand) -> Bound {
+    let least = demand.people.and_then(items::width_for);
+    if demand.kind == DemandKind::WideFor { Bound { least, ..demand.bound } } else { demand.bound }
+}
+
 /// Checks items on a building, in their order.
 pub fn check(building: &Building, asked: &[Asked]) -> Vec<Answer> {
     let site = site::Site::new(building);
-    asked.iter().map(|a| Answer::new(a.clone(), items::findings(&site, &a.demand))).collect()
+    asked.iter().map(|a| Answer::new(a.clone(), items::findings(&site, a))).collect()
 }

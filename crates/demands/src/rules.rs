@@ -74,7 +74,7 @@ impl RuleSet {
                 };
                 let title = format!("{}, {}", self.title, self.edition);
                 let origin = Origin::Rule { rule: self.name.clone(), title, place: item.place.clone() };
-                out.push(Asked { demand, origin });
+                out.push(Asked { demand, origin, ground: None });
             }
         }
         Ok(out)

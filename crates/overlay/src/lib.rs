@@ -14,6 +14,7 @@
 //! ```
 
 pub mod additions;
+pub mod brief;
 pub mod built;
 mod canvas;
 pub mod chart;

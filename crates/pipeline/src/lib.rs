@@ -28,6 +28,7 @@
 
 pub mod accept;
 mod analyse;
+pub mod brief;
 mod check;
 mod confirm;
 mod job;

@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::PlanOptions;
+use super::asked::AskedMark;
 use super::allowed::{self, Allowed, AllowedAt};
 use super::curve;
 use super::frame::Frame;
@@ -114,6 +115,8 @@ pub struct Markers {
     pub pairs: Vec<Pair>,
     /// Building works that marks allow, in the order of the file.
     pub allowed: Vec<Allowed>,
+    /// What the user asks of rooms, in the order of the file.
+    pub asked: Vec<AskedMark>,
 }
 
 impl Markers {

@@ -36,6 +36,7 @@ mod standing;
 mod step;
 mod structure;
 mod units;
+mod wishes;
 mod unseen;
 mod works;
 mod zip;

@@ -38,7 +38,7 @@ fn circle_mark(site: &Site<'_>, at: DVec2, radius: f64) -> Mark {
 }
 
 /// The largest circle inside a floor that stays clear of some things: its middle and radius.
-pub(super) fn circle(floor: &Polygon, things: &[[DVec2; 2]]) -> Option<(DVec2, f64)> {
+pub(crate) fn circle(floor: &Polygon, things: &[[DVec2; 2]]) -> Option<(DVec2, f64)> {
     let look = |at: DVec2| {
         let clear = things.iter().map(|t| distance_to_segment(at, *t)).fold(f64::INFINITY, f64::min);
         Some(Look { at, value: floor.depth_m(at).min(clear) })
@@ -57,7 +57,7 @@ pub(super) fn proportion(site: &Site<'_>, demand: &Demand, room: RoomId) -> Find
 }
 
 /// The smallest rectangle round a floor: one of its sides lies along a side of the hull.
-fn smallest_box(floor: &Polygon) -> Option<([DVec2; 4], [f64; 2])> {
+pub(crate) fn smallest_box(floor: &Polygon) -> Option<([DVec2; 4], [f64; 2])> {
     let hull = hull(floor.corners().collect());
     let boxed = |k: usize| {
         let u = (hull[(k + 1) % hull.len()] - hull[k]).try_normalize()?;

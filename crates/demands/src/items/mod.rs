@@ -7,9 +7,13 @@ mod out;
 mod sight;
 mod widths;
 
+#[cfg(test)]
+pub(crate) use bare::{circle, smallest_box};
+pub(crate) use out::width_for;
+
 use enfilade_brief::demand::{Bound, Demand, DemandKind, From};
 
-use crate::answer::{Finding, Verdict};
+use crate::answer::{Asked, Finding, Verdict};
 use crate::building::RoomId;
 use crate::select;
 use crate::site::Site;
@@ -18,10 +22,12 @@ use crate::site::Site;
 const ROUNDING: f64 = 1e-4;
 
 /// Everything that is found for an item, place by place.
-pub(crate) fn findings(site: &Site<'_>, demand: &Demand) -> Vec<Finding> {
-    let found = match select::is_of_doors(&demand.subject) {
-        true => of_doors(site, demand),
-        false => of_rooms(site, demand),
+pub(crate) fn findings(site: &Site<'_>, asked: &Asked) -> Vec<Finding> {
+    let demand = &asked.demand;
+    let found = match &asked.ground {
+        Some(ground) => sight::ground_seen(site, demand, ground),
+        None if select::is_of_doors(&demand.subject) => of_doors(site, demand),
+        None => of_rooms(site, demand),
     };
     found.unwrap_or_else(|why| vec![Finding::untold(why)])
 }

@@ -1,6 +1,7 @@
 //! What is seen of a room, and how wide the outside is seen from it.
 
 use enfilade_brief::demand::{Demand, From, Over};
+use enfilade_engine::geometry::PointUm;
 use enfilade_plan::axes::OpeningKind;
 use glam::DVec2;
 
@@ -8,6 +9,7 @@ use super::judged;
 use crate::answer::{Finding, Mark, Verdict};
 use crate::building::{OpeningId, RoomId};
 use crate::polygon::Polygon;
+use crate::select;
 use crate::site::Site;
 use crate::view::{Field, Scene};
 
@@ -39,24 +41,55 @@ pub(super) fn seen(
     rooms: &[RoomId],
     others: &[RoomId],
 ) -> Result<Vec<Finding>, String> {
-    let is_open = |id: OpeningId| {
-        let o = &site.building.openings[id.0];
-        let is_inner = (0..2).all(|side| site.building.beyond(id, side).is_some());
-        is_inner && (o.kind != OpeningKind::Door || !demand.is_shut)
-    };
-    let floor = site.joined(is_open);
-    let scene = Scene::new(&floor);
-    let (places, field) = match &demand.other {
-        Some(From::Place { at, facing }) => {
-            let at = site.place(*at);
-            if !floor.holds(at) {
-                return Err("The place from which one looks lies in no room.".into());
+    let looks = Looks::new(site, demand, others)?;
+    Ok(rooms.iter().map(|r| seen_one(site, demand, Some(*r), &site.rooms[r.0], &looks)).collect())
+}
+
+/// The ground of a mark, seen from the rooms that it names.
+pub(super) fn ground_seen(
+    site: &Site<'_>,
+    demand: &Demand,
+    ground: &[PointUm],
+) -> Result<Vec<Finding>, String> {
+    let Some(From::Rooms(word)) = &demand.other else { return Err("The mark names no room.".into()) };
+    let ring: Vec<DVec2> = ground.iter().map(|p| site.at(*p)).collect();
+    let looks = Looks::new(site, demand, &select::rooms(site.building, word)?)?;
+    let floor = Polygon::new(&ring, &[]).within(&looks.floor);
+    if floor.is_empty() {
+        return Err("The mark lies on no floor.".into());
+    }
+    Ok(vec![seen_one(site, demand, None, &floor, &looks)])
+}
+
+/// From where one looks, over what.
+struct Looks {
+    floor: Polygon,
+    scene: Scene,
+    places: Vec<DVec2>,
+    field: Option<Field>,
+}
+
+impl Looks {
+    fn new(site: &Site<'_>, demand: &Demand, others: &[RoomId]) -> Result<Self, String> {
+        let is_open = |id: OpeningId| {
+            let o = &site.building.openings[id.0];
+            let is_inner = (0..2).all(|side| site.building.beyond(id, side).is_some());
+            is_inner && (o.kind != OpeningKind::Door || !demand.is_shut)
+        };
+        let floor = site.joined(is_open);
+        let scene = Scene::new(&floor);
+        let (places, field) = match &demand.other {
+            Some(From::Place { at, facing }) => {
+                let at = site.place(*at);
+                if !floor.holds(at) {
+                    return Err("The place from which one looks lies in no room.".into());
+                }
+                (vec![at], facing.map(|f| f.map(f64::to_radians)))
             }
-            (vec![at], facing.map(|f| f.map(f64::to_radians)))
-        }
-        _ => (others.iter().flat_map(|o| standing(site, *o, &is_open)).collect(), None),
-    };
-    Ok(rooms.iter().map(|r| seen_one(site, demand, *r, (&scene, &places, field))).collect())
+            _ => (others.iter().flat_map(|o| standing(site, *o, &is_open)).collect(), None),
+        };
+        Ok(Self { floor, scene, places, field })
+    }
 }
 
 /// Where one stands in a room: on its grid, and close to what it is open by.
@@ -76,11 +109,12 @@ fn standing(site: &Site<'_>, room: RoomId, is_open: &dyn Fn(OpeningId) -> bool) 
 fn seen_one(
     site: &Site<'_>,
     demand: &Demand,
-    room: RoomId,
-    (scene, places, field): (&Scene, &[DVec2], Option<Field>),
+    room: Option<RoomId>,
+    floor: &Polygon,
+    looks: &Looks,
 ) -> Finding {
-    let floor = &site.rooms[room.0];
-    let views: Vec<Polygon> = places.iter().map(|p| scene.seen(*p, field).within(floor)).collect();
+    let seen = |p: &DVec2| looks.scene.seen(*p, looks.field).within(floor);
+    let views: Vec<Polygon> = looks.places.iter().map(seen).collect();
     let seen = Polygon::union(views.iter().filter(|v| !v.is_empty()));
     let share = (seen.area_m2() / floor.area_m2().max(f64::MIN_POSITIVE)).min(1.0);
     let mut bound = demand.bound;
@@ -90,7 +124,12 @@ fn seen_one(
         _ => {}
     }
     let mark = if seen.is_empty() { floor } else { &seen };
-    Finding::of_room(judged(bound, share), room, Some(share)).at([site.ground_mark(mark)])
+    let verdict = judged(bound, share);
+    let found = room.map_or_else(
+        || Finding::of_ground(verdict, share),
+        |room| Finding::of_room(verdict, room, Some(share)),
+    );
+    found.at([site.ground_mark(mark)])
 }
 
 /// The horizontal angle of window that is seen from the places of a room.
