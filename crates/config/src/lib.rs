@@ -613,6 +613,11 @@ impl Settings {
         self.limits.iter().map(Limit::to_string).collect::<Vec<_>>().join(", ")
     }
 
+    /// The brief of rooms as `--brief` would say it; nothing where nothing is asked.
+    pub fn brief_text(&self) -> Option<BriefText> {
+        (!self.brief.is_empty()).then(|| BriefText::Text(self.brief.join("; ")))
+    }
+
     /// Whether `score` takes the place of the objectives and the separate penalty.
     pub fn is_by_score(&self) -> bool {
         self.objectives.iter().any(|o| o.measure.measure == Measure::Score)

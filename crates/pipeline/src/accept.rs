@@ -18,7 +18,7 @@ use crate::works::of_option;
 use enfilade_cad::drawing::{Format, Unit};
 use enfilade_cad::units::unit_by_name;
 use enfilade_config::{
-    Beside, BriefText, KnownMove, LineageTable, NONE, Partial, SETTINGS_VERSION, Settings, Thresholds,
+    Beside, KnownMove, LineageTable, NONE, Partial, SETTINGS_VERSION, Settings, Thresholds,
 };
 use enfilade_moves::{Layout, NodeGroup, Parameter, enclosed};
 use enfilade_overlay::result::{Numbers, RoundResult};
@@ -269,7 +269,7 @@ fn side_car(
         only_marked: Some(settings.only_marked),
         allow: Some(settings.allow.to_string()),
         budget: Some(settings.budget.to_string()),
-        brief: some(&settings.brief).map(|items| BriefText::Text(items.join("; "))),
+        brief: settings.brief_text(),
         least_gain: Some(settings.least_gain.to_string()),
         raw: Some(settings.raw),
         until_converged: Some(settings.until_converged),

@@ -4,6 +4,7 @@ mod cards;
 mod overview;
 mod plots;
 mod tables;
+mod brief;
 mod works;
 
 use base64::Engine;
@@ -104,6 +105,7 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
     if has_options {
         works::works(&mut html, &fitted);
     }
+    brief::brief(&mut html, input.result);
     tables::numbers(&mut html, input.result);
     tables::thresholds(&mut html, input.result);
     tables::moves(&mut html, input.result);
