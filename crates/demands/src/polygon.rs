@@ -35,7 +35,7 @@ impl Polygon {
         };
         let rings = std::iter::once(turned(outline, true)).chain(holes.iter().map(|h| turned(h, false)));
         let rings: Vec<Vec<[f64; 2]>> = rings.filter(|r| r.len() > 2).collect();
-        Self::of(rings.simplify_shape(FillRule::NonZero))
+        Self::of(rings.simplify_shape_as::<i64>(FillRule::NonZero))
     }
 
     fn of(raw: Raw) -> Self {

@@ -5,7 +5,7 @@ use enfilade_engine::geometry::PointUm;
 use enfilade_plan::axes::OpeningKind;
 use glam::DVec2;
 
-use super::judged;
+use super::{ROUNDING, judged};
 use crate::answer::{Finding, Mark, Verdict};
 use crate::building::{OpeningId, RoomId};
 use crate::polygon::Polygon;
@@ -29,7 +29,7 @@ const SEEN_MIN: f64 = 0.001;
 fn places(floor: &Polygon) -> Vec<DVec2> {
     let Some([lo, hi]) = floor.bounds() else { return Vec::new() };
     let step = PLACES_M.max((floor.area_m2() / PLACES_MAX).sqrt());
-    let counts = ((hi - lo) / step).floor().max(DVec2::ONE);
+    let counts = ((hi - lo) / step + ROUNDING).floor().max(DVec2::ONE);
     let first = lo.midpoint(hi) - (counts - DVec2::ONE) * step / 2.0;
     let all = (0..counts.x as usize).flat_map(|i| (0..counts.y as usize).map(move |j| [i, j]));
     all.map(|[i, j]| first + DVec2::new(i as f64, j as f64) * step).filter(|p| floor.holds(*p)).collect()
