@@ -39,8 +39,9 @@ pub(crate) fn brief(said: Option<BriefText>) -> Result<Vec<String>, Error> {
         }
         _ => return Ok(Vec::new()),
     };
-    let read = demands(&text)
-        .map_err(|why| Error::usage("settings", Place::default(), format!("brief: {why}; nothing was done")))?;
+    let read = demands(&text).map_err(|why| {
+        Error::usage("settings", Place::default(), format!("brief: {why}; nothing was done"))
+    })?;
     Ok(read.iter().map(ToString::to_string).collect())
 }
 

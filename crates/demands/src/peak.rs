@@ -34,7 +34,8 @@ impl PartialOrd for Square {
 impl Ord for Square {
     fn cmp(&self, other: &Self) -> Ordering {
         let place = |s: &Self| (s.at.x, s.at.y);
-        let by_place = place(other).0.total_cmp(&place(self).0).then(place(other).1.total_cmp(&place(self).1));
+        let by_place =
+            place(other).0.total_cmp(&place(self).0).then(place(other).1.total_cmp(&place(self).1));
         self.most.total_cmp(&other.most).then(by_place)
     }
 }

@@ -43,13 +43,8 @@ impl<'a> Site<'a> {
     /// Of a storey.
     pub fn new(building: &'a Building) -> Self {
         let origin = building.rooms.first().map(|r| r.area.at).unwrap_or_default();
-        let mut out = Self {
-            building,
-            origin,
-            rooms: Vec::new(),
-            ground: OnceCell::new(),
-            exits: OnceCell::new(),
-        };
+        let mut out =
+            Self { building, origin, rooms: Vec::new(), ground: OnceCell::new(), exits: OnceCell::new() };
         out.rooms = building.rooms.iter().map(|r| out.outline(&r.area)).collect();
         out.give_back_leaves();
         out
@@ -66,9 +61,8 @@ impl<'a> Site<'a> {
         for opening in &self.building.openings {
             for leaf in opening.leaves.iter().filter(|l| l.len() > 2) {
                 let ring: Vec<DVec2> = leaf.iter().map(|p| self.at(*p)).collect();
-                let near = |room: &Polygon| {
-                    ring.iter().filter(|p| room.depth_m(**p).abs() < AT_LEAF_M).count()
-                };
+                let near =
+                    |room: &Polygon| ring.iter().filter(|p| room.depth_m(**p).abs() < AT_LEAF_M).count();
                 let best = (0..self.rooms.len()).max_by_key(|r| (near(&self.rooms[*r]), usize::MAX - r));
                 if let Some(r) = best.filter(|r| near(&self.rooms[*r]) > 1) {
                     self.rooms[r] = self.rooms[r].with(&Polygon::new(&ring, &[]));

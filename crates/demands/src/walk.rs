@@ -183,6 +183,17 @@ mod tests {
     }
 
     #[test]
+    fn too_many_corners_are_refused() {
+        let tooth = |k: usize| [[k as f64, 0.0], [k as f64 + 0.5, 1.0]];
+        let comb = |teeth: usize| {
+            let mut ring: Vec<[f64; 2]> = vec![[teeth as f64, 9.0], [0.0, 9.0]];
+            ring.extend((0..teeth).flat_map(tooth));
+            Ground::new(&Polygon::new(&at(&ring), &[])).is_some()
+        };
+        assert!(comb(100) && !comb(CORNERS_MAX + 10));
+    }
+
+    #[test]
     fn no_way_leads_into_a_closed_room() {
         let room = |x: f64| Polygon::new(&at(&[[x, 0.0], [x + 2.0, 0.0], [x + 2.0, 2.0], [x, 2.0]]), &[]);
         let all = Polygon::union([&room(0.0), &room(3.0)].into_iter());

@@ -2,21 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::brief_item::{BriefFinding, BriefItem, VERDICTS, colour};
 use super::canvas::{Anchor, Canvas, Pen, path_of};
 use super::font::Weight;
 use super::frame::{Frame, Key};
-use super::palette::{GREY, INK, Rgb};
+use super::palette::{GREY, INK};
 use super::picture::{BUILT_LOOK, DEMOLISHED_LOOK, Look, PlanPicture, StrokeKind, draw_strokes};
 use super::result::Input;
-use enfilade_brief::demand::{DemandUnit, Weight as DemandWeight};
 use enfilade_report::Error;
 
 /// Name of the form.
 pub const BRIEF_SCHEMA: &str = "enfilade.brief/1";
-
-/// Verdicts as they are named in JSON, with their sign and their colour: safe for colour-blind eyes.
-const VERDICTS: [(&str, &str, Rgb); 3] =
-    [("pass", "✓", [0x00, 0x9e, 0x73]), ("untold", "?", [0xe6, 0x9f, 0x00]), ("fail", "✗", [0xc8, 0x1e, 0x1e])];
 
 /// Everything that `enfilade brief` found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -44,93 +40,6 @@ pub struct BriefRoom {
     pub kind: String,
 }
 
-/// An item with its verdict.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct BriefItem {
-    /// Its number, from 1.
-    pub id: usize,
-    /// As it is written in a brief.
-    pub ask: String,
-    /// `limit`, `goal` or `note`.
-    pub weight: String,
-    /// The word of its kind.
-    pub kind: String,
-    /// Unit of its values.
-    pub unit: Option<DemandUnit>,
-    /// What is wanted, in words; empty where nothing is bounded.
-    pub wanted: String,
-    /// The least and the most that are wanted.
-    pub least: Option<f64>,
-    /// See `least`.
-    pub most: Option<f64>,
-    /// `pass`, `fail` or `untold`.
-    pub verdict: String,
-    /// The rule set, or the property or layer of the drawing, that asks; nothing where the brief does.
-    pub origin: Option<BriefOrigin>,
-    /// What was found, place by place.
-    pub findings: Vec<BriefFinding>,
-}
-
-/// Who asks.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct BriefOrigin {
-    /// Name of the rule set, of the property or of the layer.
-    pub name: String,
-    /// Title and edition of the rule set.
-    pub title: String,
-    /// Where it stands in the source.
-    pub place: String,
-}
-
-/// What was found at one place.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct BriefFinding {
-    /// `pass`, `fail` or `untold`.
-    pub verdict: String,
-    /// Ids of the rooms; the first is the one that is judged.
-    pub rooms: Vec<usize>,
-    /// Doors and openings, as indices into `reading.openings` of `check`.
-    pub openings: Vec<usize>,
-    /// The value.
-    pub measured: Option<f64>,
-    /// In words.
-    pub words: String,
-    /// Ground: outlines and holes, metres of the drawing frame.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub ground: Vec<Vec<[f64; 2]>>,
-    /// Lines: ways, walls, doors.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub lines: Vec<Vec<[f64; 2]>>,
-    /// Circles: middle and radius.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub circles: Vec<[f64; 3]>,
-}
-
-/// Places of an item that are said one by one; more are counted.
-const SAID_MAX: usize = 6;
-
-impl BriefItem {
-    /// `✗ kitchen area min 8 m2`, and a line for every place that does not pass, or for all where few do.
-    pub fn lines(&self) -> Vec<String> {
-        let weight = if self.weight == DemandWeight::Limit.name() { "" } else { self.weight.as_str() };
-        let by = self.origin.as_ref().map(|o| match o.place.is_empty() {
-            true => o.name.clone(),
-            false => format!("{}: {}", o.name, o.place),
-        });
-        let said: Vec<&str> = [Some(weight), by.as_deref()].into_iter().flatten().filter(|s| !s.is_empty()).collect();
-        let tail = if said.is_empty() { String::new() } else { format!(" ({})", said.join("; ")) };
-        let ask = self.ask.strip_prefix(&format!("{}: ", self.weight)).unwrap_or(&self.ask);
-        let mut out = vec![format!("{} {ask}{tail}", sign(&self.verdict))];
-        let is_worst = |f: &&BriefFinding| self.verdict == "pass" || f.verdict != "pass";
-        let told: Vec<&BriefFinding> = self.findings.iter().filter(is_worst).collect();
-        out.extend(told.iter().take(SAID_MAX).map(|f| format!("    {} {}", sign(&f.verdict), f.words)));
-        if told.len() > SAID_MAX {
-            out.push(format!("    and {} more", told.len() - SAID_MAX));
-        }
-        out
-    }
-}
-
 impl BriefResult {
     /// How many items have a verdict.
     pub fn count(&self, verdict: &str) -> usize {
@@ -149,14 +58,6 @@ impl BriefResult {
             s(fail)
         )
     }
-}
-
-fn sign(verdict: &str) -> &'static str {
-    VERDICTS.iter().find(|v| v.0 == verdict).map_or("?", |v| v.1)
-}
-
-fn colour(verdict: &str) -> Rgb {
-    VERDICTS.iter().find(|v| v.0 == verdict).map_or(GREY, |v| v.2)
 }
 
 /// How strongly ground is shaded: what fails more than what passes.
@@ -246,11 +147,8 @@ fn foot(canvas: &mut Canvas, frame: &Frame) {
     let end = frame.north(canvas, right, top + 62.0 * u);
     frame.scale_bar(canvas, end - 36.0 * u, top + 14.0 * u);
     let words = ["passes", "cannot be told from a plan", "fails"];
-    let keys: Vec<Key<'_>> = VERDICTS
-        .iter()
-        .zip(words)
-        .map(|(v, word)| Key::line(word, Pen::solid(v.2, LINE_PX * u)))
-        .collect();
+    let keys: Vec<Key<'_>> =
+        VERDICTS.iter().zip(words).map(|(v, word)| Key::line(word, Pen::solid(v.2, LINE_PX * u))).collect();
     frame.keys(canvas, top + 74.0 * u, &keys);
 }
 
@@ -273,21 +171,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_item_is_said_with_its_places() {
-        let finding = |verdict: &str, words: &str| BriefFinding {
-            verdict: verdict.into(),
-            words: words.into(),
-            ..BriefFinding::default()
-        };
-        let item = BriefItem {
-            ask: "goal: bedroom area min 10 m2".into(),
-            weight: "goal".into(),
-            verdict: "fail".into(),
-            findings: vec![finding("pass", "Bedroom 1: 12.00 m²"), finding("fail", "Bedroom 2: 9.00 m²")],
-            ..BriefItem::default()
-        };
-        assert_eq!(item.lines(), ["✗ bedroom area min 10 m2 (goal)", "    ✗ Bedroom 2: 9.00 m²"]);
-        let result = BriefResult { items: vec![item], ..BriefResult::default() };
+    fn verdicts_are_counted() {
+        let item = |verdict: &str| BriefItem { verdict: verdict.into(), ..BriefItem::default() };
+        let result = BriefResult { items: vec![item("fail")], ..BriefResult::default() };
         assert_eq!(result.summary(), "1 item: 0 pass, 1 fails, 0 cannot be told from a plan.");
+        let result = BriefResult { items: ["pass", "pass", "untold"].map(item).to_vec(), ..result };
+        assert_eq!(result.summary(), "3 items: 2 pass, 0 fail, 1 cannot be told from a plan.");
     }
 }

@@ -15,6 +15,7 @@
 
 pub mod additions;
 pub mod brief;
+pub mod brief_item;
 pub mod built;
 mod canvas;
 pub mod chart;

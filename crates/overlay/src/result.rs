@@ -472,7 +472,7 @@ pub struct RoundResult {
     pub questions: Vec<super::reading::QuestionEntry>,
     /// The brief of rooms, checked for the present layout.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub brief: Vec<super::brief::BriefItem>,
+    pub brief: Vec<super::brief_item::BriefItem>,
 }
 
 impl RoundResult {

@@ -8,7 +8,7 @@ use crate::measure::study::Study;
 use crate::understand::rooms::rooms_with_kinds;
 use crate::understand::sensed::Sensed;
 use enfilade_config::Unsure;
-use enfilade_overlay::brief::BriefItem;
+use enfilade_overlay::brief_item::BriefItem;
 use enfilade_report::{Error, Place, Report};
 
 /// One round of a job: a study, and what is asked of it.

@@ -36,7 +36,8 @@ pub(super) fn read(drawing: &Drawing, unused: &BTreeSet<usize>, frame: &Frame) -
     let mark = |e: &enfilade_cad::drawing::Entity| {
         let kind = kind_of(own_layers::bare(&e.layer))?;
         let trace = curve::trace(&e.shape, frame);
-        let is_ring = trace.is_closed || trace.points.len() > 3 && trace.points.first() == trace.points.last();
+        let is_ring =
+            trace.is_closed || trace.points.len() > 3 && trace.points.first() == trace.points.last();
         let is_ground = kind == AskedKind::Exit || is_ring && trace.points.len() > 2;
         let is_drawn = trace.points.len() > 1 && is_ground;
         is_drawn.then(|| AskedMark { kind, points: trace.points, is_closed: is_ring })

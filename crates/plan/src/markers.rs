@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::PlanOptions;
-use super::asked::AskedMark;
 use super::allowed::{self, Allowed, AllowedAt};
+use super::asked::AskedMark;
 use super::curve;
 use super::frame::Frame;
 use super::length::{length, number};

@@ -57,8 +57,9 @@ fn words(text: &str) -> Result<Vec<Word>, String> {
     while !rest.is_empty() {
         let (text, is_quoted, next) = match rest.strip_prefix('"') {
             Some(inner) => {
-                let (word, next) =
-                    inner.split_once('"').ok_or_else(|| format!("{text:?}: a quotation mark is not closed"))?;
+                let (word, next) = inner
+                    .split_once('"')
+                    .ok_or_else(|| format!("{text:?}: a quotation mark is not closed"))?;
                 (word, true, next)
             }
             None => {
@@ -116,9 +117,12 @@ impl FromStr for Demand {
             Wants::Nothing => return Err(format!("{text:?}: expected nothing behind `{}`", row.word)),
             Wants::Bound => bounded(rest, row, &mut out).map_err(|why| format!("{text:?}: {why}"))?,
             Wants::Other => other(rest, row, &mut out).map_err(|why| format!("{text:?}: {why}"))?,
-            Wants::People => out.people = Some(people(rest).ok_or_else(|| {
-                format!("{text:?}: expected a number of people: `wide-for 60 people`")
-            })?),
+            Wants::People => {
+                out.people =
+                    Some(people(rest).ok_or_else(|| {
+                        format!("{text:?}: expected a number of people: `wide-for 60 people`")
+                    })?)
+            }
         }
         Ok(out)
     }
@@ -161,9 +165,8 @@ fn bound(words: &[Word], unit: DemandUnit) -> Result<Bound, String> {
     let mut at = 0;
     while at < words.len() {
         let sense = words[at].text.to_lowercase();
-        let taken = value(&words[at + 1..], unit).ok_or_else(|| {
-            format!("expected a number with a unit behind `{}`", words[at].text)
-        })?;
+        let taken = value(&words[at + 1..], unit)
+            .ok_or_else(|| format!("expected a number with a unit behind `{}`", words[at].text))?;
         match sense.as_str() {
             "min" => out.least = Some(taken.0),
             "max" => out.most = Some(taken.0),
@@ -201,7 +204,8 @@ fn value(words: &[Word], unit: DemandUnit) -> Option<(f64, usize)> {
 
 /// `hall`, `hall through corridor, stair`, `3.2,4.1 facing 90 field 120`, with `doors-shut` and a bound behind.
 fn other(words: &[Word], row: &DemandEntry, out: &mut Demand) -> Result<(), String> {
-    let is_key = |w: &Word| ["through", "facing", "field", "doors-shut", "min", "max"].iter().any(|k| w.is(k));
+    let is_key =
+        |w: &Word| ["through", "facing", "field", "doors-shut", "min", "max"].iter().any(|k| w.is(k));
     let end = words.iter().position(is_key).unwrap_or(words.len());
     if end == 0 {
         return Err(format!("expected a room or a place behind `{}`", row.word));

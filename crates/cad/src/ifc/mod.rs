@@ -36,8 +36,8 @@ mod standing;
 mod step;
 mod structure;
 mod units;
-mod wishes;
 mod unseen;
+mod wishes;
 mod works;
 mod zip;
 

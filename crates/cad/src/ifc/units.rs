@@ -31,7 +31,8 @@ pub(super) struct Units {
 
 /// Reads the units of the first project.
 pub(super) fn units(step: &Step<'_>) -> Units {
-    let mut out = Units { length: None, length_words: "no unit of length".into(), radians: 1.0, area_m2: 1.0 };
+    let mut out =
+        Units { length: None, length_words: "no unit of length".into(), radians: 1.0, area_m2: 1.0 };
     let assignment = step
         .all("IFCPROJECT")
         .chain(step.all("IFCPROJECTLIBRARY"))

@@ -78,7 +78,9 @@ fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     let half = |points: &mut dyn Iterator<Item = DVec2>| {
         let mut out: Vec<DVec2> = Vec::new();
         for p in points {
-            while out.len() > 1 && (out[out.len() - 1] - out[out.len() - 2]).perp_dot(p - out[out.len() - 2]) <= 0.0 {
+            while out.len() > 1
+                && (out[out.len() - 1] - out[out.len() - 2]).perp_dot(p - out[out.len() - 2]) <= 0.0
+            {
                 out.pop();
             }
             out.push(p);

@@ -66,7 +66,9 @@ pub(super) fn beside_handle(site: &Site<'_>, demand: &Demand, id: OpeningId) -> 
         let line = site.line_mark(&beside(site, id, side, worst, free[worst].min(1.0)));
         let found = Finding::of_room(verdict, room, Some(free[worst])).through([id]).at([line]);
         match (verdict, handle) {
-            (Verdict::Untold, None) => found.noted("On which side the handle is stands in no line of the plan."),
+            (Verdict::Untold, None) => {
+                found.noted("On which side the handle is stands in no line of the plan.")
+            }
             (Verdict::Untold, _) => found.noted("It depends on how far the handle sits from the jamb."),
             _ => found,
         }
@@ -78,7 +80,8 @@ pub(super) fn beside_handle(site: &Site<'_>, demand: &Demand, id: OpeningId) -> 
 fn handle(site: &Site<'_>, id: OpeningId) -> Option<usize> {
     let leaves = &site.building.openings[id.0].leaves;
     let [leaf] = leaves.as_slice() else { return None };
-    let far = site.jambs(id).map(|j| leaf.iter().map(|p| site.at(*p).distance(j)).fold(f64::INFINITY, f64::min));
+    let far =
+        site.jambs(id).map(|j| leaf.iter().map(|p| site.at(*p).distance(j)).fold(f64::INFINITY, f64::min));
     let width = site.building.openings[id.0].width_m;
     // A leaf that stands open is near one jamb alone.
     let is_told = (far[0] - far[1]).abs() > width / 4.0;
@@ -110,7 +113,8 @@ fn free_m(site: &Site<'_>, id: OpeningId, side: usize, jamb: usize) -> f64 {
         if a.y.max(b.y) <= lo || a.y.min(b.y) >= hi {
             return None;
         }
-        let at = |y: f64| if a.y == b.y { a.x } else { a.lerp(b, ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0)).x };
+        let at =
+            |y: f64| if a.y == b.y { a.x } else { a.lerp(b, ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0)).x };
         let ends = [at(lo), at(hi)];
         (ends[0].max(ends[1]) > -ROUNDING).then(|| ends[0].min(ends[1]).max(0.0))
     };

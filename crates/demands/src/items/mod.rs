@@ -37,7 +37,8 @@ fn of_doors(site: &Site<'_>, demand: &Demand) -> Result<Vec<Finding>, String> {
     match demand.kind {
         DemandKind::ClearWidth => Ok(doors.iter().map(|d| doors::clear_width(site, demand, *d)).collect()),
         DemandKind::BesideHandle => {
-            let all: Vec<Finding> = doors.iter().flat_map(|d| doors::beside_handle(site, demand, *d)).collect();
+            let all: Vec<Finding> =
+                doors.iter().flat_map(|d| doors::beside_handle(site, demand, *d)).collect();
             if all.is_empty() { Err("There is no door with a leaf.".into()) } else { Ok(all) }
         }
         _ => Err(format!("`{}` is asked of rooms, not of doors.", demand.kind.entry().word)),

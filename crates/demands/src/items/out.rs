@@ -119,7 +119,8 @@ fn without_choice(
 ) -> Option<(f64, Vec<DVec2>)> {
     let (way, _) = nearest.way(from)?;
     let is_choice = |p: DVec2| {
-        let to: Vec<DVec2> = each.iter().filter_map(|w| Some((w.from(p)?.to - p).normalize_or_zero())).collect();
+        let to: Vec<DVec2> =
+            each.iter().filter_map(|w| Some((w.from(p)?.to - p).normalize_or_zero())).collect();
         let apart = |a: &DVec2, b: &DVec2| a.dot(*b) <= CHOICE_DEG.to_radians().cos() + 1e-9;
         to.iter().enumerate().any(|(k, a)| to[..k].iter().any(|b| apart(a, b)))
     };
@@ -204,9 +205,9 @@ fn widest(site: &Site<'_>) -> BTreeMap<RoomId, Option<OpeningId>> {
         }
     }
     let mut out: BTreeMap<RoomId, Option<OpeningId>> = BTreeMap::new();
-    while let Some(best) = (0..open.len()).max_by(|a, b| {
-        width(open[*a].1).total_cmp(&width(open[*b].1)).then(open[*b].0.cmp(&open[*a].0))
-    }) {
+    while let Some(best) = (0..open.len())
+        .max_by(|a, b| width(open[*a].1).total_cmp(&width(open[*b].1)).then(open[*b].0.cmp(&open[*a].0)))
+    {
         let (room, by) = open.swap_remove(best);
         if out.contains_key(&room) {
             continue;

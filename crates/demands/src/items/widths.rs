@@ -20,7 +20,8 @@ const AT_DOOR_M: f64 = 0.01;
 pub(super) fn of_ways(site: &Site<'_>, demand: &Demand, room: RoomId) -> Finding {
     let floor = &site.rooms[room.0];
     let ways = site.building.openings_of(room).filter(|o| site.building.openings[o.0.0].is_way());
-    let (ids, fronts): (Vec<_>, Vec<[DVec2; 2]>) = ways.map(|(id, side)| (id, front(site, id.0, side))).unzip();
+    let (ids, fronts): (Vec<_>, Vec<[DVec2; 2]>) =
+        ways.map(|(id, side)| (id, front(site, id.0, side))).unzip();
     let Some((_, radius)) = circle(floor, &[]) else {
         return Finding::of_room(Verdict::Untold, room, None);
     };

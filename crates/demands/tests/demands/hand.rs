@@ -121,7 +121,14 @@ fn ways_out() {
 /// way leads straight on and the other to the far corner, 2 m across: 45° apart 2 m before the corridor, 6 m from the end.
 fn tee() -> Building {
     let outline = [
-        [0.0, 0.0], [20.0, 0.0], [20.0, 2.0], [11.0, 2.0], [11.0, 10.0], [9.0, 10.0], [9.0, 2.0], [0.0, 2.0],
+        [0.0, 0.0],
+        [20.0, 0.0],
+        [20.0, 2.0],
+        [11.0, 2.0],
+        [11.0, 10.0],
+        [9.0, 10.0],
+        [9.0, 2.0],
+        [0.0, 2.0],
     ];
     let exit = |x: f64| Exit { line: [um([x, 0.0]), um([x, 2.0])], opening: None };
     Building {
@@ -172,9 +179,8 @@ fn clear_widths() {
 /// A corridor of 10 × 2 m with a pier of 1 × 0.8 m at its side.
 #[test]
 fn a_pier_narrows_a_corridor() {
-    let pier = [
-        [0.0, 0.0], [4.0, 0.0], [4.0, 0.8], [5.0, 0.8], [5.0, 0.0], [10.0, 0.0], [10.0, 2.0], [0.0, 2.0],
-    ];
+    let pier =
+        [[0.0, 0.0], [4.0, 0.0], [4.0, 0.8], [5.0, 0.8], [5.0, 0.0], [10.0, 0.0], [10.0, 2.0], [0.0, 2.0]];
     let end = |x: f64, beside| opening(OpeningKind::Door, [[x, 0.5], [x, 1.5]], 0.1, beside);
     let corridor = |outline: &[[f64; 2]]| Building {
         rooms: vec![room("", RoomKind::Corridor, outline)],
@@ -223,9 +229,8 @@ fn wall_beside_handles() {
 #[test]
 fn the_floor_under_a_leaf_counts() {
     let mut flat = flat();
-    let notched = [
-        [2.1, 0.0], [5.1, 0.0], [5.1, 3.0], [2.1, 3.0], [2.1, 1.8], [2.9, 1.8], [2.9, 1.76], [2.1, 1.76],
-    ];
+    let notched =
+        [[2.1, 0.0], [5.1, 0.0], [5.1, 3.0], [2.1, 3.0], [2.1, 1.8], [2.9, 1.8], [2.9, 1.76], [2.1, 1.76]];
     flat.rooms[2] = room("Bath", RoomKind::Bath, &notched);
     near(&flat, "bath area min 9 m2", Verdict::Fail, 9.0 - 0.8 * 0.04, 1e-6);
     flat.openings[1].leaves = vec![boxed([2.1, 1.76], [2.9, 1.8]).map(um).to_vec()];

@@ -1,10 +1,10 @@
 //! `report.html`: one file that opens from disk, loads nothing and works without scripts.
 
+mod brief;
 mod cards;
 mod overview;
 mod plots;
 mod tables;
-mod brief;
 mod works;
 
 use base64::Engine;

@@ -7,7 +7,11 @@ use enfilade_demands::{Asked, rule_set};
 use enfilade_report::{Error, Place, Report};
 
 /// All items, those of the brief first in its order.
-pub(super) fn asked(base: &Understood, settings: &Settings, report: &mut Report) -> Result<Vec<Asked>, Error> {
+pub(super) fn asked(
+    base: &Understood,
+    settings: &Settings,
+    report: &mut Report,
+) -> Result<Vec<Asked>, Error> {
     let refused = |why: String| {
         Error::usage("brief", Place::file(&base.plan.file), format!("brief: {why}; nothing was done"))
     };
@@ -17,7 +21,8 @@ pub(super) fn asked(base: &Understood, settings: &Settings, report: &mut Report)
             Clause::Demand(demand) => out.push(Asked::said(demand)),
             Clause::Rule(name) => {
                 let set = rule_set(&name).map_err(refused)?;
-                let text = format!("{}, {} ({}). Left out: {}", set.title, set.edition, set.source, set.leaves_out);
+                let text =
+                    format!("{}, {} ({}). Left out: {}", set.title, set.edition, set.source, set.leaves_out);
                 report.info("brief-rule", Place::file(&base.plan.file), text);
                 out.extend(set.asked().map_err(refused)?);
             }

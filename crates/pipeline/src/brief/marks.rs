@@ -31,7 +31,8 @@ fn exit_of(building: &Building, mark: &AskedMark) -> Option<Exit> {
         let o = &building.openings[*k];
         let [a, b] = o.jambs;
         let middle = [0, 1].map(|i| i64::midpoint(a[i], b[i]));
-        let crosses = points.windows(2).any(|w| segments_touch(Segment { a, b }, Segment { a: w[0], b: w[1] }));
+        let crosses =
+            points.windows(2).any(|w| segments_touch(Segment { a, b }, Segment { a: w[0], b: w[1] }));
         o.is_way() && (crosses || mark.is_closed && side_of_ring(points, middle) != Side::Outside)
     };
     match (0..building.openings.len()).find(is_at) {

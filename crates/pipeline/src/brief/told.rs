@@ -5,7 +5,8 @@ use crate::understand::understood::Understood;
 use crate::write::show;
 use enfilade_demands::{Answer, Building, Finding, Mark, Origin, RoomId, Verdict, bound_of};
 use enfilade_engine::geometry::{PointUm, UM_PER_M};
-use enfilade_overlay::brief::{BRIEF_SCHEMA, BriefFinding, BriefItem, BriefOrigin, BriefResult, BriefRoom};
+use enfilade_overlay::brief::{BRIEF_SCHEMA, BriefResult, BriefRoom};
+use enfilade_overlay::brief_item::{BriefFinding, BriefItem, BriefOrigin};
 
 /// Everything as JSON has it.
 pub(super) fn result(
@@ -93,7 +94,9 @@ fn words(building: &Building, answer: &Answer, found: &Finding) -> String {
     let row = demand.kind.entry();
     let rooms: Vec<String> = found.rooms.iter().map(|r| room_words(building, *r)).collect();
     let value = found.measured.map(|v| format!("{} {}", row.plain, row.unit.words(v)));
-    let wanted = bound_of(demand).words(row.unit).filter(|_| found.verdict != Verdict::Pass);
+    // Where there is nothing to measure, the note says all.
+    let is_bare = found.measured.is_none() && found.note.is_some();
+    let wanted = bound_of(demand).words(row.unit).filter(|_| found.verdict != Verdict::Pass && !is_bare);
     let wanted = wanted.map(|w| format!("{w} wanted"));
     let facts: Vec<String> = [value, wanted].into_iter().flatten().collect();
     let said = match (rooms.is_empty(), facts.is_empty()) {

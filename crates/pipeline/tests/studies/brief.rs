@@ -2,7 +2,8 @@
 
 use enfilade_config::{Partial, Settings};
 use enfilade_fixtures::sample;
-use enfilade_overlay::brief::{BriefItem, BriefResult};
+use enfilade_overlay::brief::BriefResult;
+use enfilade_overlay::brief_item::BriefItem;
 use enfilade_pipeline::{Input, brief};
 use enfilade_report::{Cancel, Error};
 
@@ -53,7 +54,8 @@ fn a_flat_is_checked_as_drawing_and_as_building() {
 
 #[test]
 fn a_rule_set_that_is_not_there_is_refused() {
-    let refused = asked("flat.dxf", &bytes("flat.dxf"), "brief = \"rule=none-such\"").unwrap_err().to_string();
+    let refused =
+        asked("flat.dxf", &bytes("flat.dxf"), "brief = \"rule=none-such\"").unwrap_err().to_string();
     assert!(refused.contains("none-such") && refused.contains("ways-out-35m"), "{refused}");
     assert!(asked("flat.dxf", &bytes("flat.dxf"), "").is_err());
 }
@@ -104,6 +106,9 @@ fn a_buildings_own_properties_ask() {
     let told = format!("{}{said}{}", &text[..at], &text[at..]);
     let result = asked("flat.ifc", told.as_bytes(), "").unwrap();
     let area = item(&result, "3 area planned 9 m2");
-    assert_eq!((area.verdict.as_str(), area.origin.as_ref().unwrap().name.as_str()), ("fail", "NetPlannedArea"));
+    assert_eq!(
+        (area.verdict.as_str(), area.origin.as_ref().unwrap().name.as_str()),
+        ("fail", "NetPlannedArea")
+    );
     assert!(item(&result, "3 turning-circle min 1.5 m").findings[0].measured.unwrap() > 1.0);
 }
