@@ -14,6 +14,9 @@ const TURN_SIN: f64 = 1e-6;
 /// Most corners among which ways are looked for; beyond them a plan is refused rather than waited for.
 pub(crate) const CORNERS_MAX: usize = 6_000;
 
+/// So many of the shortest legs are looked at before all others are put in order.
+const FIRST: usize = 12;
+
 /// A floor on which one walks.
 pub(crate) struct Ground {
     fence: Fence,
@@ -142,7 +145,17 @@ impl Ways<'_> {
             Some(Leg { length_m, to: *at, next: Next::Corner(k) })
         });
         let mut legs: Vec<Leg> = straight.chain(by_corner).collect();
-        legs.sort_by(|a, b| a.length_m.total_cmp(&b.length_m));
+        let shorter = |a: &Leg, b: &Leg| a.length_m.total_cmp(&b.length_m);
+        // Nearly always one of the first few is free: the others need no order.
+        if legs.len() > FIRST {
+            legs.select_nth_unstable_by(FIRST, shorter);
+            legs[..FIRST].sort_by(shorter);
+            if let Some(leg) = legs[..FIRST].iter().find(|leg| self.ground.fence.is_free(p, leg.to)) {
+                return Some(*leg);
+            }
+            legs.drain(..FIRST);
+        }
+        legs.sort_by(shorter);
         legs.into_iter().find(|leg| self.ground.fence.is_free(p, leg.to))
     }
 

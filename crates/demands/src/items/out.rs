@@ -95,11 +95,12 @@ pub(super) fn straight(site: &Site<'_>, demand: &Demand, rooms: &[RoomId]) -> Re
 pub(super) fn dead_end(site: &Site<'_>, demand: &Demand, rooms: &[RoomId]) -> Result<Vec<Finding>, String> {
     let (ground, lines) = ground(site)?;
     let nearest = ground.ways(&lines);
-    let each: Vec<Ways<'_>> = lines.iter().map(|l| ground.ways(&[*l])).collect();
+    let each: Vec<Ways<'_>> = match lines.len() {
+        1 => Vec::new(),
+        _ => lines.iter().map(|l| ground.ways(&[*l])).collect(),
+    };
     let one = |room: &RoomId| {
-        let corners = site.rooms[room.0].corners();
-        let all = corners.filter_map(|c| without_choice(ground, &nearest, &each, c));
-        let Some((length_m, way)) = all.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+        let Some((length_m, way)) = longest(&site.rooms[room.0], ground, &nearest, &each) else {
             let ground = site.ground_mark(&site.rooms[room.0]);
             return Finding::of_room(Verdict::Fail, *room, None).at([ground]).noted(NO_WAY);
         };
@@ -108,6 +109,32 @@ pub(super) fn dead_end(site: &Site<'_>, demand: &Demand, rooms: &[RoomId]) -> Re
         if lines.len() == 1 { found.noted("There is one exit.") } else { found }
     };
     Ok(rooms.iter().map(one).collect())
+}
+
+/// The longest way without a choice from the corners of a room.
+fn longest(
+    floor: &Polygon,
+    ground: &Ground,
+    nearest: &Ways<'_>,
+    each: &[Ways<'_>],
+) -> Option<(f64, Vec<DVec2>)> {
+    let far = |c: DVec2| Some((nearest.from(c)?.length_m, c));
+    let mut corners: Vec<(f64, DVec2)> = floor.corners().filter_map(far).collect();
+    corners.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut best: Option<(f64, Vec<DVec2>)> = None;
+    for (walk, corner) in corners {
+        // It is no longer than the walk.
+        if best.as_ref().is_some_and(|b| b.0 >= walk) {
+            break;
+        }
+        let found = without_choice(ground, nearest, each, corner);
+        best = match (best, found) {
+            (Some(b), Some(f)) if f.0 > b.0 => Some(f),
+            (None, found) => found,
+            (best, _) => best,
+        };
+    }
+    best
 }
 
 /// How far one walks from a point before two directions lead to two exits, and the way until then.
@@ -119,10 +146,12 @@ fn without_choice(
 ) -> Option<(f64, Vec<DVec2>)> {
     let (way, _) = nearest.way(from)?;
     let is_choice = |p: DVec2| {
-        let to: Vec<DVec2> =
-            each.iter().filter_map(|w| Some((w.from(p)?.to - p).normalize_or_zero())).collect();
-        let apart = |a: &DVec2, b: &DVec2| a.dot(*b) <= CHOICE_DEG.to_radians().cos() + 1e-9;
-        to.iter().enumerate().any(|(k, a)| to[..k].iter().any(|b| apart(a, b)))
+        let mut to: Vec<DVec2> = Vec::new();
+        each.iter().filter_map(|w| Some((w.from(p)?.to - p).normalize_or_zero())).any(|a| {
+            let is_apart = to.iter().any(|b| a.dot(*b) <= CHOICE_DEG.to_radians().cos() + 1e-9);
+            to.push(a);
+            is_apart
+        })
     };
     let (mut walked, mut out) = (0.0, vec![from]);
     for leg in way.windows(2) {
