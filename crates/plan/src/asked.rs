@@ -40,7 +40,7 @@ pub(super) fn read(drawing: &Drawing, unused: &BTreeSet<usize>, frame: &Frame) -
             trace.is_closed || trace.points.len() > 3 && trace.points.first() == trace.points.last();
         let is_ground = kind == AskedKind::Exit || is_ring && trace.points.len() > 2;
         let is_drawn = trace.points.len() > 1 && is_ground;
-        is_drawn.then(|| AskedMark { kind, points: trace.points, is_closed: is_ring })
+        is_drawn.then_some(AskedMark { kind, points: trace.points, is_closed: is_ring })
     };
     used.filter_map(mark).collect()
 }
