@@ -15,7 +15,7 @@ use crate::output::unsaid;
 pub use choices::{
     BackendArg, ColoursArg, LevelArg, MethodArg, ModeArg, OverlayArg, ThresholdsArg, UnsureArg,
 };
-use enfilade_config::{JOB_SECS, Partial};
+use enfilade_config::{BriefText, JOB_SECS, Partial};
 use enfilade_pipeline::resolution;
 use enfilade_report::complain;
 pub use manual::man;
@@ -76,6 +76,8 @@ pub enum Command {
     Analyse(AnalyseArgs),
     /// Say what one building work would bring: every opening, door, wider door, removal, at its best place.
     Works(WorksArgs),
+    /// Say whether the present layout has what is asked of its rooms, doors and ways.
+    Brief(BriefArgs),
     /// Measure over a series of lattice spacings, the drawing as it is and layouts moved at random: how fine the lattice
     /// must be.
     Resolution(ResolutionArgs),
@@ -266,6 +268,22 @@ pub struct WorksArgs {
     pub common: Common,
 }
 
+/// `brief`.
+#[derive(Debug, Args)]
+pub struct BriefArgs {
+    /// The drawing.
+    pub file: PathBuf,
+    /// What is asked: "kitchen area min 8 m2; bath not-seen-from hall; rule=ways-out-35m"; repeatable.
+    #[arg(long, value_name = "ITEMS")]
+    pub brief: Vec<String>,
+    /// Draw the plan with each place in the colour of its verdict.
+    #[arg(long, value_name = "OUT.png", value_parser = picture_file)]
+    pub preview: Option<PathBuf>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
+
 /// `resolution`.
 #[derive(Debug, Args)]
 pub struct ResolutionArgs {
@@ -357,6 +375,9 @@ pub struct SearchArgs {
     /// What the building works of an option may cost: "2 works, 4 m" of wall that goes or is built.
     #[arg(long, value_name = "LIST")]
     pub budget: Option<String>,
+    /// The brief of rooms: "kitchen area min 8 m2; rule=ways-out-35m". It is checked for the present layout.
+    #[arg(long, value_name = "ITEMS")]
+    pub brief: Option<String>,
     /// Show an option if it surely gains this much in something that is asked for; 1% by default.
     #[arg(long, value_name = "SHARE")]
     pub least_gain: Option<String>,
@@ -653,6 +674,7 @@ impl Common {
             only_marked: s.only_marked.then_some(true),
             allow: s.allow.clone(),
             budget: s.budget.clone(),
+            brief: s.brief.clone().map(BriefText::Text),
             least_gain: s.least_gain.clone(),
             raw: s.raw.then_some(true),
             overlay: s.overlay.map(Into::into),

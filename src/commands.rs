@@ -3,6 +3,7 @@
 mod accepting;
 mod batching;
 mod beside;
+mod brief;
 mod installing;
 pub mod library;
 mod limits;
@@ -73,6 +74,9 @@ fn carry_out(command: Command, cancel: &Cancel) -> Result<u8, Error> {
         }
         Command::Works(args) => {
             timed(&args.file, &args.common, None, cancel, |clock, cancel| works::works(&args, clock, cancel))
+        }
+        Command::Brief(args) => {
+            timed(&args.file, &args.common, None, cancel, |clock, cancel| brief::brief(&args, clock, cancel))
         }
         Command::Resolution(args) => {
             timed(&args.file, &args.common, None, cancel, |clock, cancel| resolution(&args, clock, cancel))

@@ -39,6 +39,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # most-moves = 4                    # groups that an option may move
 # until-converged = true            # end at about 95 % of what would be found; evaluations and seconds are the most
 # only-marked = true                # nothing moves where nothing is marked
+# brief = "none"                    # or "kitchen area min 8 m2; rule=ways-out-35m": checked for the present layout
 # budget = "none"                   # or "2 works, 4 m": what the building works of an option may cost
 # allow = "none"                    # or structure, open-joints, crossings, narrow-ways, things, any-step
 # pin = [[0.5, 0.0]]                # parameters of options that stay; others are found unlike them

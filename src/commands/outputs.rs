@@ -107,6 +107,7 @@ fn inputs_of(command: &Command) -> Vec<&Path> {
         Command::Analyse(a) => vec![&a.file],
         Command::Resolution(a) => vec![&a.file],
         Command::Works(a) => vec![&a.file],
+        Command::Brief(a) => vec![&a.file],
         Command::Run(a) => vec![&a.file],
         Command::Accept(a) => vec![&a.file],
         Command::Jobs(a) => a.files.iter().map(PathBuf::as_path).collect(),
@@ -138,6 +139,10 @@ fn outputs_of(command: &Command) -> Vec<Output<'_>> {
         }
         Command::Resolution(a) => push_common(&mut out, &a.common),
         Command::Works(a) => {
+            push(&mut out, "--preview", a.preview.as_deref(), false);
+            push_common(&mut out, &a.common);
+        }
+        Command::Brief(a) => {
             push(&mut out, "--preview", a.preview.as_deref(), false);
             push_common(&mut out, &a.common);
         }

@@ -12,6 +12,7 @@
 //! ```
 
 pub mod column;
+pub mod demand;
 mod measure;
 mod table;
 mod work;

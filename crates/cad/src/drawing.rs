@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::{DAffine2, DVec2};
 
 use super::bearing::{Bearing, by_name};
+use super::wish::Wish;
 
 /// A file format a drawing can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -375,6 +376,8 @@ pub struct Drawing {
     pub north_deg: f64,
     /// Records of walls that the file says are to be built.
     pub built: BTreeSet<usize>,
+    /// What the file asks of its own rooms and doors.
+    pub wishes: Vec<Wish>,
 }
 
 /// A frame of its own in which a file holds places in numbers of single precision.
@@ -621,6 +624,7 @@ impl Drawing {
             records: Vec::new(),
             written: Written::default(),
             north_deg: 0.0,
+            wishes: Vec::new(),
             built: Default::default(),
         }
     }

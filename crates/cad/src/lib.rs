@@ -44,6 +44,7 @@ mod stamp;
 mod step_text;
 mod storeys;
 pub mod units;
+pub mod wish;
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, HashSet};

@@ -20,6 +20,12 @@ pub const REMOVE: &str = "EF-REMOVE";
 pub const NEW: &str = "EF-NEW";
 /// What was demolished: no wall any more.
 pub const DEMOLISHED: &str = "EF-DEMOLISHED";
+/// Where one leaves the building.
+pub const EXIT: &str = "EF-EXIT";
+/// Ground that is to be seen from the rooms that the layer's name says: `EF-SEE-hall`.
+pub const SEE: &str = "EF-SEE";
+/// Ground that is not to be seen from them: `EF-HIDE-hall`.
+pub const HIDE: &str = "EF-HIDE";
 /// All layers of marks.
 pub const MARKS: [&str; 7] = [MOVE, KEEP, QUERY, REFERENCE, OPEN, REMOVE, NEW];
 
@@ -78,7 +84,8 @@ pub fn is_result(layer: &str) -> bool {
 pub fn is_marker(layer: &str) -> bool {
     let name = bare(layer);
     MARKS.iter().any(|m| m.eq_ignore_ascii_case(name))
-        || [QUERY, REFERENCE].iter().any(|m| pair_of(name, m).is_some())
+        || EXIT.eq_ignore_ascii_case(name)
+        || [QUERY, REFERENCE, SEE, HIDE].iter().any(|m| pair_of(name, m).is_some())
 }
 
 /// Whether a layer holds what was demolished.
@@ -148,6 +155,9 @@ mod tests {
             ("EF_REMOVE", Some(REMOVE)),
             ("EF NEW", Some(NEW)),
             ("EF-NET", None),
+            ("EF-EXIT", None),
+            ("ef-see-hall", None),
+            ("EF-HIDE_bath", None),
             ("EF-open", None),
             ("EF-QUERY_2", None),
             ("EF-MOVED", None),

@@ -21,6 +21,7 @@ mod files;
 mod named;
 mod pair;
 mod reading;
+mod rooms;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -39,6 +40,7 @@ use enfilade_report::{Error, Place, counted};
 pub use files::{is_settings, settings_files, unread_side_cars};
 pub use pair::{PAIR_NAME_BYTES, PairName};
 pub use reading::{ReadingTable, RoomText, SelectorText, ViewText, for_folder};
+pub use rooms::{BriefTable, BriefText};
 pub use tables::{KnownMove, LineageTable, MoveTable, RegionTable, WorkTable};
 pub use version::{SETTINGS_VERSION, VERSION};
 pub use watching::{DEPTH_MAX, JOB_SECS, WatchTable};
@@ -170,6 +172,7 @@ pub struct Partial {
     pub only_marked: Option<bool>,
     pub allow: Option<String>,
     pub budget: Option<String>,
+    pub brief: Option<BriefText>,
     pub least_gain: Option<String>,
     pub raw: Option<bool>,
     pub until_converged: Option<bool>,
@@ -288,6 +291,7 @@ impl Partial {
             only_marked: self.only_marked.or(base.only_marked),
             allow: self.allow.or(base.allow),
             budget: self.budget.or(base.budget),
+            brief: self.brief.or(base.brief),
             least_gain: self.least_gain.or(base.least_gain),
             raw: self.raw.or(base.raw),
             until_converged: self.until_converged.or(base.until_converged),
@@ -388,6 +392,9 @@ pub struct Settings {
     /// What the building works of an option may cost.
     #[serde(default)]
     pub budget: Budget,
+    /// The brief of rooms: items and rule sets as they are written.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub brief: Vec<String>,
     /// An option is shown if it surely gains at least so much in something that is asked for: a share of the present value.
     #[serde(default = "control::least_gain_default")]
     pub least_gain: f64,
@@ -557,6 +564,7 @@ impl Settings {
             only_marked: p.only_marked.unwrap_or(false),
             allow: p.allow.as_deref().map_or(Ok(Allow::default()), control::allow)?,
             budget: p.budget.as_deref().map_or(Ok(Budget::default()), control::budget)?,
+            brief: rooms::brief(p.brief)?,
             least_gain: p.least_gain.as_deref().map_or(Ok(control::LEAST_GAIN), control::share)?,
             raw: p.raw.unwrap_or(false),
             until_converged: p.until_converged.unwrap_or(false),
@@ -603,6 +611,11 @@ impl Settings {
     /// The hard limits as `--limit` would say them; empty where there are none.
     pub fn limit_text(&self) -> String {
         self.limits.iter().map(Limit::to_string).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The brief of rooms as `--brief` would say it; nothing where nothing is asked.
+    pub fn brief_text(&self) -> Option<BriefText> {
+        (!self.brief.is_empty()).then(|| BriefText::Text(self.brief.join("; ")))
     }
 
     /// Whether `score` takes the place of the objectives and the separate penalty.

@@ -14,6 +14,8 @@
 //! ```
 
 pub mod additions;
+pub mod brief;
+pub mod brief_item;
 pub mod built;
 mod canvas;
 pub mod chart;

@@ -470,6 +470,9 @@ pub struct RoundResult {
     /// What a person should decide about how the drawing is read, least certain first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub questions: Vec<super::reading::QuestionEntry>,
+    /// The brief of rooms, checked for the present layout.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub brief: Vec<super::brief_item::BriefItem>,
 }
 
 impl RoundResult {

@@ -269,6 +269,7 @@ fn side_car(
         only_marked: Some(settings.only_marked),
         allow: Some(settings.allow.to_string()),
         budget: Some(settings.budget.to_string()),
+        brief: settings.brief_text(),
         least_gain: Some(settings.least_gain.to_string()),
         raw: Some(settings.raw),
         until_converged: Some(settings.until_converged),

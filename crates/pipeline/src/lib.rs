@@ -28,6 +28,7 @@
 
 pub mod accept;
 mod analyse;
+pub mod brief;
 mod check;
 mod confirm;
 mod job;
@@ -111,7 +112,8 @@ fn round(
 ) -> Result<Outcome<RoundResult>, Error> {
     let settings = &fits::fitted(&study.base, job.settings, &mut report)?;
     rules::say_odd(&study.base, settings, &mut report)?;
-    let round = Round::new(Job { settings, ..job }, study, started);
+    let mut round = Round::new(Job { settings, ..job }, study, started);
+    round.check_brief(&mut report)?;
     round.state_asked(&mut report);
     // Too small a floor has no cells on wider lattices.
     let is_tried = round.is_open() && !is_bare(settings);

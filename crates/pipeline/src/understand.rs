@@ -138,6 +138,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let entities = sensed::entities_of_walls(&plan, drawing);
     let (things, spaces) =
         (enfilade_plan::kinds::find_things(drawing, &plan), building::named_spaces(drawing, &plan));
+    let space_rings = building::space_rings(drawing, &plan);
     let mut base = Understood {
         plan,
         graph,
@@ -153,6 +154,8 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         texts: drawing.texts.iter().chain(&drawing.tags).cloned().collect(),
         things,
         spaces,
+        space_rings,
+        wishes: drawing.wishes.clone(),
         closings,
         entities,
         marked,

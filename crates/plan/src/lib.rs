@@ -26,6 +26,7 @@
 //! ```
 
 pub mod allowed;
+pub mod asked;
 pub mod axes;
 pub mod by_place;
 mod choice;
@@ -264,6 +265,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     };
     state_unit(&drawing, &unit, size_m, human_scale, report);
     let mut markers = markers::read(&drawing, options, &unused_marks, &frame, report);
+    markers.asked = asked::read(&drawing, &unused_marks, &frame);
     markers.allowed.extend(allowed::stated(&drawing, unit.unit.metres, report));
     let is_wall = |i: usize| picked.binary_search(&i).is_ok();
     let (obstacles, outdoors) = match as_drawn {

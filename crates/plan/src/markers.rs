@@ -8,6 +8,7 @@ use glam::DVec2;
 
 use super::PlanOptions;
 use super::allowed::{self, Allowed, AllowedAt};
+use super::asked::AskedMark;
 use super::curve;
 use super::frame::Frame;
 use super::length::{length, number};
@@ -122,6 +123,8 @@ pub struct Markers {
     pub pairs: Vec<Pair>,
     /// Building works that marks allow, in the order of the file.
     pub allowed: Vec<Allowed>,
+    /// What the user asks of rooms, in the order of the file.
+    pub asked: Vec<AskedMark>,
 }
 
 impl Markers {

@@ -85,6 +85,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         widths: reader.widths,
         singles: Default::default(),
         north_deg: 0.0,
+        wishes: Vec::new(),
         built: Default::default(),
         undrawn,
         records: reader.records,

@@ -137,6 +137,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         widths: Default::default(),
         singles: singles(&bodies),
         north_deg: 0.0,
+        wishes: Vec::new(),
         built,
         undrawn: Vec::new(),
         records: Vec::new(),

@@ -38,6 +38,7 @@ mod step;
 mod structure;
 mod units;
 mod unseen;
+mod wishes;
 mod works;
 mod zip;
 

@@ -721,6 +721,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             written: Default::default(),
             north_deg: north_deg(self.b),
             built: self.built,
+            wishes: super::wishes::wishes(self.b),
         }
     }
 }

@@ -25,11 +25,14 @@ pub(super) struct Units {
     pub length_words: String,
     /// Radians in one unit of plane angle.
     pub radians: f64,
+    /// Square metres in one unit of area.
+    pub area_m2: f64,
 }
 
 /// Reads the units of the first project.
 pub(super) fn units(step: &Step<'_>) -> Units {
-    let mut out = Units { length: None, length_words: "no unit of length".into(), radians: 1.0 };
+    let mut out =
+        Units { length: None, length_words: "no unit of length".into(), radians: 1.0, area_m2: 1.0 };
     let assignment = step
         .all("IFCPROJECT")
         .chain(step.all("IFCPROJECTLIBRARY"))
@@ -48,6 +51,10 @@ pub(super) fn units(step: &Step<'_>) -> Units {
             && let Some(radians) = factor(step, id, 0).filter(|r| r.is_finite() && *r > 0.0)
         {
             out.radians = radians;
+        } else if is("AREAUNIT")
+            && let Some(m2) = area_factor(step, id, 0).filter(|m| m.is_finite() && *m > 0.0)
+        {
+            out.area_m2 = m2;
         }
     }
     out
@@ -87,6 +94,25 @@ fn factor(step: &Step<'_>, id: u64, depth: usize) -> Option<f64> {
         "IFCCONVERSIONBASEDUNIT" | "IFCCONVERSIONBASEDUNITWITHOFFSET" if depth < 8 => {
             let measure = step.args(args.get(3)?.id()?);
             Some(measure.first()?.number()? * factor(step, measure.get(1)?.id()?, depth + 1)?)
+        }
+        _ => None,
+    }
+}
+
+/// Square metres in one of a unit. A prefix is that of the metre.
+fn area_factor(step: &Step<'_>, id: u64, depth: usize) -> Option<f64> {
+    let args = step.args(id);
+    match &*step.keyword(id) {
+        "IFCSIUNIT" => {
+            let by = match &args.get(2)?.value {
+                super::step::Value::Enum(p) => prefix(p)?,
+                _ => 1.0,
+            };
+            args.get(3)?.is("SQUARE_METRE").then_some(by * by)
+        }
+        "IFCCONVERSIONBASEDUNIT" | "IFCCONVERSIONBASEDUNITWITHOFFSET" if depth < 8 => {
+            let measure = step.args(args.get(3)?.id()?);
+            Some(measure.first()?.number()? * area_factor(step, measure.get(1)?.id()?, depth + 1)?)
         }
         _ => None,
     }

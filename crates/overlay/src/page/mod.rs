@@ -1,5 +1,6 @@
 //! `report.html`: one file that opens from disk, loads nothing and works without scripts.
 
+mod brief;
 mod cards;
 mod overview;
 mod plots;
@@ -104,6 +105,7 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
     if has_options {
         works::works(&mut html, &fitted);
     }
+    brief::brief(&mut html, input.result);
     tables::numbers(&mut html, input.result);
     tables::thresholds(&mut html, input.result);
     tables::moves(&mut html, input.result);

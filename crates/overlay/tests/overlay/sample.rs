@@ -294,6 +294,7 @@ fn result() -> RoundResult {
     };
     RoundResult {
         questions: Vec::new(),
+        brief: Vec::new(),
         schema: RESULT_SCHEMA.to_owned(),
         version: "0.1.0".to_owned(),
         input: Input {

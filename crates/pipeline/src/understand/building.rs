@@ -161,6 +161,12 @@ pub(crate) fn marked_moves(drawing: &Drawing) -> Vec<MoveTable> {
     }
     out
 }
+/// Outlines of all spaces with their records, drawing frame, micrometres.
+pub(crate) fn space_rings(drawing: &Drawing, plan: &Plan) -> Vec<(usize, Vec<PointUm>)> {
+    let spaces = drawing.entities.iter().filter(|e| e.layer == SPACE_LAYER);
+    spaces.map(|e| (e.source.record, curve::trace(&e.shape, &plan.frame).points)).collect()
+}
+
 /// Outlines of the spaces that have a name, drawing frame, micrometres.
 pub(crate) fn named_spaces(drawing: &Drawing, plan: &Plan) -> Vec<(Vec<PointUm>, String)> {
     let texts = drawing.texts.iter().filter(|t| t.layer == SPACE_LAYER);

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use crate::understand::building::NamedOpening;
 use enfilade_cad::drawing::Text;
+use enfilade_cad::wish::Wish;
 use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_engine::interior::Interior;
 use enfilade_moves::Moves;
@@ -48,6 +49,10 @@ pub struct Understood {
     pub things: Vec<Thing>,
     /// Outlines of a building's spaces with what they are called, drawing frame.
     pub spaces: Vec<(Vec<PointUm>, String)>,
+    /// Outlines of all spaces, with their records, drawing frame.
+    pub space_rings: Vec<(usize, Vec<PointUm>)>,
+    /// What the file asks of its own spaces and doors.
+    pub wishes: Vec<Wish>,
     /// What closes doors and windows when it is asked what lies inside.
     pub closings: Vec<Segment>,
     /// For every wall of the plan the index of its entity; filled areas come behind what is drawn.

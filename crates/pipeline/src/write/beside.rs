@@ -37,6 +37,7 @@ pub(crate) fn side_cars(study: &Study, settings: &Settings, made: &[&Made]) -> R
             query: settings.query.clone(),
             accept_missing_eof: Some(settings.accept_missing_eof),
             reading: settings.reading.clone(),
+            brief: settings.brief_text(),
             regions: settings.regions.iter().chain(regions).cloned().collect(),
             works: settings.works.iter().cloned().chain(tables).collect(),
             ..Partial::default()

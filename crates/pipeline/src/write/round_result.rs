@@ -71,6 +71,7 @@ pub(crate) fn round_result(
         lineage: lineage(settings, &ruler(&study.base.plan, settings, study.spacing_m)),
         problems: report.problems.iter().map(Into::into).collect(),
         questions: Vec::new(),
+        brief: round.brief.clone(),
     }
 }
 
