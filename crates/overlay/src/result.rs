@@ -258,6 +258,9 @@ pub struct Candidate {
     /// The building works of it, beside the moves.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub works: Vec<OptionWork>,
+    /// What it has of the brief of rooms, read again from its file.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub brief: Vec<super::brief_item::BriefItem>,
 }
 
 /// Why an option is good and how it differs. Distances are `dn` of the spec.

@@ -6,6 +6,7 @@ pub(crate) mod analysis;
 pub(crate) mod asked;
 pub(crate) mod beside;
 pub(crate) mod bounded;
+pub(crate) mod briefed;
 pub(crate) mod changes;
 pub(crate) mod check_picture;
 pub(crate) mod diversity;
@@ -61,6 +62,7 @@ pub(crate) fn write(
     }
     let works = offer.map(|o| &o.listed);
     let made = make::options(job, study, (found, offer))?;
+    let made = briefed::briefed(round, made, &mut report)?;
     let built = made.iter().filter(|m| m.built.is_some()).count();
     for m in &made {
         report.extend(m.report.clone());

@@ -7,6 +7,7 @@ use crate::measure::worth::Worth;
 use crate::works::options::BuildingOption;
 use enfilade_cad::drawing::Edit;
 use enfilade_moves::Layout;
+use enfilade_overlay::brief_item::BriefItem;
 use enfilade_overlay::result::{Explanation, Gains};
 use enfilade_report::Report;
 
@@ -28,6 +29,9 @@ pub(crate) struct Made {
     pub(crate) explanation: Explanation,
     /// Confirmed gains; empty where nothing was confirmed.
     pub(crate) gains: Gains,
+    /// What it has of the brief of rooms, and in words what changes there.
+    pub(crate) brief: Vec<BriefItem>,
+    pub(crate) brief_words: String,
     /// What it builds beside what it moves.
     pub(crate) built: Option<Arc<BuildingOption>>,
 }

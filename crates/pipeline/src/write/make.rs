@@ -73,6 +73,8 @@ pub(crate) fn make(
         name,
         explanation: Explanation::default(),
         gains: Gains::new(),
+        brief: Vec::new(),
+        brief_words: String::new(),
         built: None,
     })
 }
@@ -161,6 +163,8 @@ fn building(study: &Study, name: &str, option: &Arc<BuildingOption>) -> Made {
         name: name.to_owned(),
         explanation: Explanation::default(),
         gains: option.gains.clone(),
+        brief: Vec::new(),
+        brief_words: String::new(),
         built: Some(Arc::clone(option)),
     }
 }

@@ -111,6 +111,7 @@ pub(crate) fn candidate(
             + &along::unseen_words(made)
             + &leaving::leaving_words(&study.base.plan, &made.layout)
             + &doors::narrowed_words(&study.base, &made.layout)
+            + &made.brief_words
             + &along::stays_words(&made.report),
         explanation: explanation.clone(),
         mean,
@@ -120,6 +121,7 @@ pub(crate) fn candidate(
         within_threshold: made.member.within_threshold && explanation.breaks.is_empty(),
         changes: changes(study, made),
         works: made.built.as_ref().map_or(Vec::new(), |b| b.works.clone()),
+        brief: made.brief.clone(),
     }
 }
 

@@ -116,6 +116,33 @@ fn options_are_of_what_is_allowed() {
     assert!(gains.is_sorted_by(|a, b| a >= b), "{gains:?}");
 }
 
+/// No option breaks a limit of the brief that the present layout keeps; a goal is told.
+#[test]
+fn options_keep_the_brief() {
+    let bytes = std::fs::read(sample("flat.dxf")).unwrap();
+    let opens = |o: &Outcome<RoundResult>| {
+        o.result.candidates.iter().filter(|c| c.words.contains("between Kitchen and Living room")).count()
+    };
+    let under = |ask: &str| round("flat.dxf", &bytes, &format!("[brief]\nitems = [\"{ask}\"]\n"));
+    let left_out = |o: &Outcome<RoundResult>| o.report.problems.iter().any(|p| p.code == "options-brief");
+    let limit = under("kitchen not-reached-from living");
+    assert_eq!((opens(&limit), left_out(&limit)), (0, true), "{:?}", limit.result.candidates);
+    assert!(!limit.result.candidates.is_empty() && limit.result.candidates[0].file == "candidate-1.dxf");
+    let goal = under("goal: kitchen not-reached-from living");
+    assert_eq!((opens(&goal), left_out(&goal)), (1, false), "{:?}", goal.result.candidates);
+    let told = goal.result.candidates.iter().find(|c| c.words.contains("Kitchen and Living room")).unwrap();
+    assert!(
+        told.words.contains("It no longer meets `goal: kitchen not-reached-from living`"),
+        "{}",
+        told.words
+    );
+    assert_eq!(told.brief[0].verdict, "fail");
+    let wish = under("kitchen reached-from living");
+    assert_eq!(wish.result.brief[0].verdict, "fail");
+    let met = wish.result.candidates.iter().find(|c| c.words.contains("Kitchen and Living room")).unwrap();
+    assert!(met.words.contains("It meets `kitchen reached-from living` of the brief now"), "{}", met.words);
+}
+
 /// Whoever says what may move is offered nothing else.
 #[test]
 fn marks_of_moves_are_obeyed() {

@@ -1,0 +1,149 @@
+//! What options have of the brief of rooms, read again from their written files.
+
+use rayon::prelude::*;
+
+use crate::brief::checked;
+use crate::job::{Input, Job};
+use crate::read;
+use crate::round::Round;
+use crate::search::brief::is_bare;
+use crate::search::judged::pinned;
+use crate::understand::rooms::rooms_with_kinds;
+use crate::understand::sensed::Sensed;
+use crate::understand::understood;
+use crate::write::made::Made;
+use enfilade_config::Settings;
+use enfilade_overlay::brief_item::BriefItem;
+use enfilade_overlay::words::listed;
+use enfilade_report::{Error, Place, Report, counted};
+
+/// Items that are named one by one.
+const TOLD: usize = 4;
+
+/// The options with what they have of the brief. One that breaks a limit which the present layout keeps is left out and
+/// told, unless it is pinned or the search is taken as it is.
+///
+/// # Errors
+/// As reading the written drawing.
+pub(crate) fn briefed(
+    round: &Round<'_>,
+    mut made: Vec<Made>,
+    report: &mut Report,
+) -> Result<Vec<Made>, Error> {
+    let Job { input, settings } = round.job;
+    if round.brief.is_empty() {
+        return Ok(made);
+    }
+    let briefs: Vec<Vec<BriefItem>> =
+        made.par_iter().map(|m| brief_of(round.job, m)).collect::<Result<_, Error>>()?;
+    let pins = pinned(settings);
+    let mut broken: Vec<String> = Vec::new();
+    let mut left_out = 0;
+    let mut kept = Vec::new();
+    for (i, (m, brief)) in made.drain(..).zip(briefs).enumerate() {
+        let breaks: Vec<&BriefItem> =
+            newly(&round.brief, &brief, "fail").filter(|b| b.weight == "limit").collect();
+        if breaks.is_empty() || i < pins || is_bare(settings) {
+            kept.push((i, Made { brief_words: words(&round.brief, &brief), brief, ..m }));
+            continue;
+        }
+        left_out += 1;
+        let asks = breaks.into_iter().map(|b| b.ask.clone());
+        asks.for_each(|ask| {
+            if !broken.contains(&ask) {
+                broken.push(ask)
+            }
+        });
+    }
+    if left_out > 0 {
+        let more = if broken.len() > TOLD { ", …" } else { "" };
+        broken.truncate(TOLD);
+        let text = format!(
+            "left out: {}, since the present layout keeps a limit of the brief there and the option would not: {}{more}",
+            counted(left_out, "option"),
+            broken.join("; ")
+        );
+        report.warn("options-brief", Place::file(input.file()), text);
+    }
+    let places: Vec<usize> = kept.iter().map(|k| k.0).collect();
+    let number = |was: usize| places.iter().position(|p| p + 1 == was).map(|p| p + 1);
+    let renamed = |(i, (_, mut m)): (usize, (usize, Made))| {
+        m.name = format!("candidate-{}", i + 1);
+        m.explanation.nearest = m.explanation.nearest.and_then(number);
+        m.explanation.from_nearest = m.explanation.from_nearest.filter(|_| m.explanation.nearest.is_some());
+        m
+    };
+    Ok(kept.into_iter().enumerate().map(renamed).collect())
+}
+
+/// The brief of an option, of its drawing read again.
+fn brief_of(Job { input, settings }: Job<'_>, made: &Made) -> Result<Vec<BriefItem>, Error> {
+    let options = read::read_options(settings);
+    let (edits, additions, tables) = match &made.built {
+        Some(built) => (&built.edits, &built.additions[..], &built.tables[..]),
+        None => (&made.edits, &[][..], &[][..]),
+    };
+    let bytes = enfilade_cad::patch(input.file(), &input.bytes, &options, edits, additions)?;
+    // Nothing is searched in it, so what may move is not asked.
+    let own = Settings {
+        works: [&settings.works[..], tables].concat(),
+        moves: Vec::new(),
+        ignore_move_markers: true,
+        only_marked: true,
+        ..settings.clone()
+    };
+    let input = Input::new(input.path, &bytes, input.round);
+    let mut silent = Report::default();
+    let drawing = read::drawing(input.file(), &input.bytes, &own, &mut silent)?;
+    let base = understood(&drawing, &own, &mut silent)?;
+    let sensed = Sensed::new(&base, &own);
+    let rooms = rooms_with_kinds(&base, &sensed, &own)?;
+    let found = checked((&base, &sensed, &rooms), &input, &own, &mut silent)?;
+    Ok(found.map_or(Vec::new(), |f| f.items))
+}
+
+/// The items that have a verdict in an option and had another at present.
+fn newly<'a>(
+    present: &'a [BriefItem],
+    option: &'a [BriefItem],
+    verdict: &'static str,
+) -> impl Iterator<Item = &'a BriefItem> {
+    let had = move |item: &BriefItem| present.iter().any(|p| p.ask == item.ask && p.verdict == verdict);
+    option.iter().filter(move |item| item.verdict == verdict && !had(item))
+}
+
+/// What an option changes of the brief, as sentences; empty where nothing.
+fn words(present: &[BriefItem], option: &[BriefItem]) -> String {
+    let said = |verdict: &'static str| -> Vec<String> {
+        newly(present, option, verdict).map(|i| format!("`{}`", i.ask)).take(TOLD).collect()
+    };
+    let (meets, breaks) = (said("pass"), said("fail"));
+    let mut out = String::new();
+    if !meets.is_empty() {
+        out += &format!(" It meets {} of the brief now.", listed(&meets, "and"));
+    }
+    if !breaks.is_empty() {
+        out += &format!(" It no longer meets {} of the brief.", listed(&breaks, "and"));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn item(ask: &str, verdict: &str) -> BriefItem {
+        BriefItem { ask: ask.into(), verdict: verdict.into(), ..BriefItem::default() }
+    }
+
+    #[test]
+    fn what_changes_of_the_brief_is_said() {
+        let present = [item("a", "pass"), item("b", "fail"), item("c", "fail"), item("d", "untold")];
+        let option = [item("a", "fail"), item("b", "pass"), item("c", "fail"), item("d", "untold")];
+        assert_eq!(
+            words(&present, &option),
+            " It meets `b` of the brief now. It no longer meets `a` of the brief."
+        );
+        assert_eq!(words(&present, &present), "");
+    }
+}
