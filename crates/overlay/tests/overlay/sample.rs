@@ -263,6 +263,7 @@ fn result() -> RoundResult {
                 follows: false,
             }],
             works: Vec::new(),
+            brief: vec![],
         }
     };
     let earlier = |round: u64, candidate, k: f64| LineageEntry {
