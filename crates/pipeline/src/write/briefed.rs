@@ -59,7 +59,7 @@ pub(crate) fn briefed(
         let more = if broken.len() > TOLD { ", …" } else { "" };
         broken.truncate(TOLD);
         let text = format!(
-            "left out: {}, since the present layout keeps a limit of the brief there and the option would not: {}{more}",
+            "{} left out: a limit of the brief that the present layout keeps would break: {}{more}",
             counted(left_out, "option"),
             broken.join("; ")
         );

@@ -129,7 +129,7 @@ fn options_keep_the_brief() {
     assert_eq!((opens(&limit), left_out(&limit)), (0, true), "{:?}", limit.result.candidates);
     assert!(!limit.result.candidates.is_empty() && limit.result.candidates[0].file == "candidate-1.dxf");
     let goal = under("goal: kitchen not-reached-from living");
-    assert_eq!((opens(&goal), left_out(&goal)), (1, false), "{:?}", goal.result.candidates);
+    assert!(opens(&goal) > 0 && !left_out(&goal), "{:?}", goal.result.candidates);
     let told = goal.result.candidates.iter().find(|c| c.words.contains("Kitchen and Living room")).unwrap();
     assert!(
         told.words.contains("It no longer meets `goal: kitchen not-reached-from living`"),
