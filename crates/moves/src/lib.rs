@@ -83,6 +83,14 @@ pub struct Parameter {
     pub stated: [f64; 2],
 }
 
+impl Parameter {
+    /// Its clause with the bounds that were stated: how far it can go is found anew in another layout.
+    pub fn as_stated(&self) -> Clause {
+        let [lower, upper] = self.stated;
+        Clause { lower, upper, ..self.clause.clone() }
+    }
+}
+
 /// A set of nodes that moves together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeGroup {

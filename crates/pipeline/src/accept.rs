@@ -359,8 +359,8 @@ fn points(list: &[[f64; 2]]) -> Vec<Value> {
 
 fn group_table(base: &Understood, group: usize, parameters: &[f64], layout: &Layout) -> Table {
     let moving =
-        base.moves.parameters.iter().zip(parameters).map(|(p, value)| (p, clause(&p.clause, *value)));
-    let idle = base.moves.left_out.iter().map(|p| (p, stated(&p.clause)));
+        base.moves.parameters.iter().zip(parameters).map(|(p, value)| (p, clause(&p.as_stated(), *value)));
+    let idle = base.moves.left_out.iter().map(|p| (p, stated(&p.as_stated())));
     let (mut name, mut clauses) = (String::new(), Vec::new());
     for (p, clause) in moving.chain(idle).filter(|(p, _)| p.group == group) {
         name.clone_from(&p.group_name);

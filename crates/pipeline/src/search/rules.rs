@@ -67,7 +67,7 @@ fn controlled(base: &Understood, moves: &Moves, settings: &Settings) -> Result<C
 pub fn control_as_stated(base: &Understood, settings: &Settings) -> Result<Control, Error> {
     let mut moves = base.moves.clone();
     for p in &mut moves.parameters {
-        [p.clause.lower, p.clause.upper] = p.stated;
+        p.clause = p.as_stated();
     }
     controlled(base, &moves, settings)
 }
