@@ -7,8 +7,8 @@ use super::building::Building;
 use super::footprint::Footprint;
 use super::geo::is_upright;
 use super::model::{axis_item, layer_reach};
+use super::placed::{Base, Body};
 use super::step::Arg;
-use super::works::{Base, Body};
 use crate::splice::Splice;
 
 /// Sizes that differ by less are the same, metres: plans are written to the millimetre.

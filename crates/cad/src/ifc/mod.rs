@@ -27,6 +27,7 @@ mod model;
 mod number;
 mod patch;
 mod phase;
+mod placed;
 mod plain;
 mod profile;
 mod quantity;

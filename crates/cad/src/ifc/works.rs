@@ -8,6 +8,7 @@ use super::alike::{Bar, Door};
 use super::building::Building;
 use super::geo::is_upright;
 use super::number::real;
+use super::placed::{Base, Body};
 use super::standing::reach;
 use super::step::Arg;
 use crate::drawing::{Edit, EntityWork, Filling, Shape};
@@ -84,23 +85,6 @@ fn ring(shape: &Shape) -> Option<Vec<DVec2>> {
         }
         _ => None,
     }
-}
-
-/// What a new body is placed by: a placement that stands upright, and where that is in the world.
-#[derive(Clone, Copy)]
-pub(super) struct Base {
-    placement: Option<u64>,
-    pub world: DAffine3,
-}
-
-/// A new body: its placement, its item and the representation that shows it.
-#[derive(Clone, Copy)]
-pub(super) struct Body {
-    pub placement: u64,
-    pub item: u64,
-    pub shown: u64,
-    /// For what is placed by it.
-    base: Base,
 }
 
 /// Height of a new door: that of its like.
