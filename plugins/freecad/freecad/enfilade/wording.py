@@ -227,6 +227,8 @@ HERE = (
     (r"\b([Mm])ore --evaluations", r"\1ore 'Layouts to measure'"),
     (r"`--thresholds firm` keeps them", "Set a slider on page 2 to keep them"),
     (r" \(layer A-[A-Z]+\)", ""),
+    (r"[;,] `--allow [^`]*` takes it on", ""),
+    (r" `--allow [^`]*` (permits that|frees them)\.", ""),
 )
 
 
@@ -258,9 +260,15 @@ def accepted(option: Option, moved: List[str]) -> str:
     return say("Accepted option {}: {}. Undo takes all of it back.", option.number, done)
 
 
+def _named(line, labels) -> str:
+    """A line of the job's drawing as the object that it is of."""
+    label = labels.get(line.group(1), "")
+    return f"'{label}'" if label else line.group(0)
+
+
 def note_here(note: Note, labels) -> Note:
     """A note of the program in the words of this window: its place as the object's label, its text."""
-    text = here(note.text)
+    text = re.sub(r"\b(?:LW)?(?:POLY)?LINE ([0-9A-F]+)\b", lambda line: _named(line, labels), here(note.text))
     handle = re.search(r"(\S+) layer ", note.place)
     label = labels.get(handle.group(1), "") if handle else ""
     text = f"'{label}': {text}" if label else text[:1].upper() + text[1:]
