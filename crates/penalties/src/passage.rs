@@ -1,7 +1,7 @@
 //! Minimum passage width: walls that move must not narrow a way between walls below it.
 
 use super::pairs::{Aabb, BoxGrid, sweep};
-use super::{Layout, Meeting, TOUCH_M, WallPiece, distance_to_m, meeting, through_m};
+use super::{Layout, Meeting, TOUCH_M, WallPiece, common_length_m, distance_to_m, meeting, through_m};
 use enfilade_cad::plane::is_inside_ring;
 use glam::DVec2;
 
@@ -9,7 +9,8 @@ use glam::DVec2;
 ///
 /// A passage is the shortest line between two walls where no third wall stands across it. It is too
 /// narrow by what its width lacks to the wanted width; where it was narrower than that before, to the
-/// width it had: what the drawing has is nobody's fault, and the two faces of one wall are no passage.
+/// width it had: what the drawing has is nobody's fault. The two faces of one wall are no passage, nor is what a wall
+/// fills.
 /// Two walls that come to touch close the passage, which `disconnection` judges.
 #[derive(Clone, Debug)]
 pub struct Passage {
@@ -62,7 +63,7 @@ impl Passage {
         let (p, q) = (&now[i], &now[j]);
         let is_one = p.nodes.iter().any(|n| q.nodes.contains(n)) || p.solid.is_some() && p.solid == q.solid;
         let Meeting::Apart(gap_m) = meeting(p.ends(), q.ends()) else { return 0.0 };
-        if is_one || gap_m >= self.width_m {
+        if is_one || gap_m >= self.width_m || are_faces(p, q) {
             return 0.0;
         }
         let was_m = match meeting(self.initial[i].ends(), self.initial[j].ends()) {
@@ -104,10 +105,15 @@ impl Passage {
         [first.0, last.0, last.1, first.1]
     }
 
-    /// Whether no third wall stands across the shortest line between two.
+    /// Whether no third wall stands across the shortest line between two, or runs along it: between a wall and the jamb
+    /// that ends the next one lies a wall, and nobody goes there.
     fn is_free(&self, now: &[WallPiece], i: usize, j: usize) -> bool {
         let line = shortest(now[i].ends(), now[j].ends());
-        let stands_across = |k: usize| k != i && k != j && through_m(line, now[k].ends()).is_some();
+        let stands_across = |k: usize| {
+            let ends = now[k].ends();
+            let is_in_it = || common_length_m(line, ends).is_some_and(|m| m > TOUCH_M);
+            k != i && k != j && (through_m(line, ends).is_some() || is_in_it())
+        };
         let mut free = !self.moving.iter().any(|&k| stands_across(k));
         if free {
             self.fixed_grid.visit(&Aabb::of_segment(line, 0.0), |f| free &= !stands_across(self.fixed[f]));
@@ -115,6 +121,16 @@ impl Passage {
         free
     }
 }
+
+/// Whether two pieces face each other across the body of one thick wall; its two sides of a door do not.
+fn are_faces(p: &WallPiece, q: &WallPiece) -> bool {
+    let [a, b] = shortest(p.ends(), q.ends());
+    let is_across = |w: &WallPiece| (w.b - w.a).dot(b - a).abs() < ACROSS * w.a.distance(w.b) * a.distance(b);
+    p.bar.is_some() && p.bar == q.bar && is_across(p) && is_across(q)
+}
+
+/// A line runs across a wall where the cosine of their angle is less than this: half a right angle.
+const ACROSS: f64 = 0.7;
 
 /// The shortest line between two segments that do not meet: one of its ends is an end of a segment.
 fn shortest(p: [DVec2; 2], q: [DVec2; 2]) -> [DVec2; 2] {
@@ -152,6 +168,29 @@ mod tests {
 
     fn missing(initial: &[WallPiece], now: &[WallPiece]) -> f64 {
         Passage::new(&Layout { pieces: initial }, 0.9, None).measure_m(&Layout { pieces: now })
+    }
+
+    /// A wall's two faces, 0.1 m apart, of which one alone moves; and a corner that comes nearer to the jamb at which the
+    /// next wall ends.
+    #[test]
+    fn what_a_wall_fills_is_no_way() {
+        let face = |y: f64, is_moving: bool, node: u32| {
+            let wall = wall([0.0, y], [4.0, y], node, is_moving);
+            WallPiece { bar: Some(1), ..wall }
+        };
+        let faces = |y: f64| vec![face(y, true, 0), face(0.1, false, 2)];
+        assert_eq!(missing(&faces(0.0), &faces(0.05)), 0.0);
+        let alone = |y: f64| faces(y).into_iter().map(|w| WallPiece { bar: None, ..w }).collect::<Vec<_>>();
+        assert!(missing(&alone(0.0), &alone(0.05)) > 0.0, "of two walls it is one");
+        // From the corner at x the next wall's face runs to its jamb at 0.6.
+        let stub = |x: f64| {
+            let mut all = vec![wall([x, 0.0], [x, 4.0], 0, true), wall([0.6, 0.0], [0.6, -0.2], 2, false)];
+            all.push(WallPiece { nodes: [0, 2], ..wall([x, 0.0], [0.6, 0.0], 0, true) });
+            all
+        };
+        assert_eq!(missing(&stub(0.0), &stub(0.3)), 0.0);
+        let open = |x: f64| stub(x)[..2].to_vec();
+        assert!(missing(&open(0.0), &open(0.3)) > 0.0, "without that face it is a way");
     }
 
     #[test]
