@@ -1,5 +1,7 @@
 //! Which rooms and doors a word means: a number, a name, a kind, or nearly one of them.
 
+use std::collections::BTreeSet;
+
 use enfilade_plan::kinds::{RoomKind, kind_of_name};
 
 use crate::building::{Building, OpeningId, RoomId};
@@ -36,13 +38,15 @@ pub(crate) fn rooms(building: &Building, word: &str) -> Result<Vec<RoomId>, Stri
         let alike = RoomKind::ALL.into_iter().find(|k| is_alike(k.name()));
         alike.map(of_kind).unwrap_or_default()
     };
-    let tries: [&dyn Fn() -> Vec<RoomId>; 5] = [
-        &|| named(&|n| n == word),
-        &|| by_kind().unwrap_or_default(),
-        &|| named(&has_word),
-        &|| named(&is_alike),
-        &near_kind,
-    ];
+    // A room that is called as its kind is one of them: `bedroom` means BEDROOM and BEDROOM 2.
+    let exactly = || {
+        let named = named(&|n| n == word);
+        let of_kind = exact_kind.filter(|_| !named.is_empty()).map(of_kind).unwrap_or_default();
+        let both: BTreeSet<usize> = named.iter().chain(&of_kind).map(|id| id.0).collect();
+        both.into_iter().map(RoomId).collect()
+    };
+    let tries: [&dyn Fn() -> Vec<RoomId>; 5] =
+        [&exactly, &|| by_kind().unwrap_or_default(), &|| named(&has_word), &|| named(&is_alike), &near_kind];
     let found = tries.iter().map(|t| t()).find(|r| !r.is_empty());
     found.ok_or_else(|| missing(&word, exact_kind))
 }

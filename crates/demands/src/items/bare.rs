@@ -6,7 +6,7 @@ use enfilade_engine::geometry::UM_PER_M;
 use enfilade_plan::kinds::RoomKind;
 use glam::DVec2;
 
-use super::judged;
+use super::{judged, judged_to};
 use crate::answer::{Finding, Mark, Verdict};
 use crate::building::RoomId;
 use crate::peak::{Look, peak};
@@ -30,7 +30,8 @@ pub(super) fn width(site: &Site<'_>, demand: &Demand, room: RoomId) -> Finding {
         return Finding::of_room(Verdict::Untold, room, None);
     };
     let value = 2.0 * radius;
-    Finding::of_room(judged(demand.bound, value), room, Some(value)).at([circle_mark(site, at, radius)])
+    let verdict = judged_to(demand.bound, value, 2.0 * RADIUS_M);
+    Finding::of_room(verdict, room, Some(value)).at([circle_mark(site, at, radius)])
 }
 
 fn circle_mark(site: &Site<'_>, at: DVec2, radius: f64) -> Mark {
@@ -128,7 +129,7 @@ pub(super) fn turning_circle(site: &Site<'_>, demand: &Demand, room: RoomId) -> 
         return Finding::of_room(Verdict::Fail, room, Some(0.0));
     };
     let value = 2.0 * radius;
-    let mut verdict = judged(demand.bound, value);
+    let mut verdict = judged_to(demand.bound, value, 2.0 * RADIUS_M);
     let is_bare = things.is_empty() && FURNISHED.contains(&site.building.room(room).kind);
     if is_bare && verdict == Verdict::Pass {
         verdict = Verdict::Untold;

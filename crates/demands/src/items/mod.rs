@@ -90,5 +90,10 @@ fn guessed(site: &Site<'_>, demand: &Demand, mut finding: Finding) -> Finding {
 
 /// Whether a value keeps a bound.
 fn judged(bound: Bound, value: f64) -> Verdict {
-    if bound.holds(value, ROUNDING) { Verdict::Pass } else { Verdict::Fail }
+    judged_to(bound, value, ROUNDING)
+}
+
+/// Whether a value that is found to within a tolerance keeps a bound.
+fn judged_to(bound: Bound, value: f64, tolerance: f64) -> Verdict {
+    if bound.holds(value, tolerance) { Verdict::Pass } else { Verdict::Fail }
 }

@@ -119,9 +119,9 @@ fn seen_one(
     let share = (seen.area_m2() / floor.area_m2().max(f64::MIN_POSITIVE)).min(1.0);
     let mut bound = demand.bound;
     match demand.kind.is_negative() {
-        true if bound.most.is_none() => bound.most = Some(SEEN_MIN),
-        false if bound.least.is_none() => bound.least = Some(SEEN_MIN),
-        _ => {}
+        _ if bound.least.is_some() || bound.most.is_some() => {}
+        true => bound.most = Some(SEEN_MIN),
+        false => bound.least = Some(SEEN_MIN),
     }
     let mark = if seen.is_empty() { floor } else { &seen };
     let verdict = judged(bound, share);

@@ -4,7 +4,7 @@ use enfilade_brief::demand::Demand;
 use enfilade_cad::plane::distance_to_segment;
 use glam::DVec2;
 
-use super::judged;
+use super::judged_to;
 use crate::answer::{Finding, Verdict};
 use crate::building::RoomId;
 use crate::items::bare::circle;
@@ -27,7 +27,7 @@ pub(super) fn of_ways(site: &Site<'_>, demand: &Demand, room: RoomId) -> Finding
     };
     let widest = 2.0 * radius;
     let value = if fronts.len() < 2 { widest } else { narrowest(floor, &fronts, widest) };
-    let found = Finding::of_room(judged(demand.bound, value), room, Some(value));
+    let found = Finding::of_room(judged_to(demand.bound, value, WIDTH_M), room, Some(value));
     let found = found.through(ids).at([site.ground_mark(floor)]);
     if fronts.len() < 2 { found.noted("It has one door: the largest circle counts.") } else { found }
 }

@@ -29,6 +29,9 @@ fn areas_and_shapes() {
     near(&flat, "kitchen area planned 10 m2", Verdict::Fail, 8.7, 1e-6);
     near(&flat, "kitchen width min 2.9 m", Verdict::Pass, 2.9, LENGTH_M);
     near(&flat, "kitchen width min 3 m", Verdict::Fail, 2.9, LENGTH_M);
+    // As wide as it is built is wide enough.
+    near(&flat, "hall width min 2 m", Verdict::Pass, 2.0, LENGTH_M);
+    near(&flat, "\"Box room\" width min 1 m", Verdict::Pass, 1.0, LENGTH_M);
     near(&flat, "hall proportion max 3", Verdict::Pass, 3.0, 1e-6);
     near(&flat, "\"Box room\" proportion max 3", Verdict::Fail, 4.0, 1e-6);
 }
@@ -73,6 +76,9 @@ fn what_is_seen_of_a_room() {
     near(&flat, "bath seen-from 1,1.4 min 65 %", Verdict::Fail, share, 1e-4);
     near(&flat, "bath not-seen-from 1,1.4", Verdict::Fail, share, 1e-4);
     near(&flat, "bath not-seen-from 1,1.4 doors-shut", Verdict::Pass, 0.0, 0.0);
+    // Whoever limits what is seen does not ask that it be seen.
+    near(&flat, "bath seen-from 1,1.4 facing 180 max 10 %", Verdict::Pass, 0.0, 1e-9);
+    near(&flat, "bath seen-from 1,1.4 max 10 %", Verdict::Fail, share, 1e-4);
     // Facing east one sees all of it, facing west nothing, facing north the upper half.
     near(&flat, "bath seen-from 1,1.4 facing 0 min 60 %", Verdict::Pass, share, 1e-4);
     near(&flat, "bath seen-from 1,1.4 facing 180", Verdict::Fail, 0.0, 1e-9);

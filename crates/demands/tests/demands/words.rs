@@ -20,6 +20,16 @@ fn rooms_are_known_by_number_name_kind_and_nearly() {
     }
 }
 
+/// A room that bears the name of its kind does not stand for all of them alone.
+#[test]
+fn a_kind_means_all_of_its_rooms() {
+    let mut flat = flat();
+    flat.rooms[3].kind = enfilade_plan::kinds::RoomKind::Bath;
+    let found = answer(&flat, "bath area min 1 m2");
+    let rooms: Vec<usize> = found.findings.iter().flat_map(|f| &f.rooms).map(|r| r.0).collect();
+    assert_eq!(rooms, [2, 3]);
+}
+
 #[test]
 fn a_guess_is_said() {
     let mut flat = flat();
