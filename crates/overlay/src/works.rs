@@ -236,7 +236,10 @@ impl WorksResult {
             pair
         };
         let share = |w: &WorkEntry| w.gain.get(VISIBILITY).map_or(0.0, |g| g.share);
-        let may = |w: &&WorkEntry| is_taken(w) && w.kind != "glaze" && share(w) > LEAST_SHOWN;
+        // Glass always shows more and joins nothing: it is named where it is all that may be done.
+        let is_all_glass = self.works.iter().filter(|w| is_taken(w)).all(|w| w.kind == "glaze");
+        let may =
+            |w: &&WorkEntry| is_taken(w) && (is_all_glass || w.kind != "glaze") && share(w) > LEAST_SHOWN;
         let (small, whole): (Vec<&WorkEntry>, Vec<&WorkEntry>) =
             self.works.iter().filter(may).partition(|w| w.kind != "remove");
         let mut out: Vec<&WorkEntry> = Vec::new();

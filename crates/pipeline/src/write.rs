@@ -72,7 +72,7 @@ pub(crate) fn write(
         let made = make::make(job, study, "best", &b.member)?;
         Ok::<_, Error>(Made { gains: b.gains.clone(), ..made })
     });
-    let best = best.transpose()?;
+    let best = briefed::best(round, best.transpose()?, &mut report)?;
     joints::say_opened(&mut report, input.file(), study, &made);
     doors::say_narrowed(&mut report, input.file(), study, &made);
     overlaps::say_overlaps(&mut report, input.file(), study, settings, &made);

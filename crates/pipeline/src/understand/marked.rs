@@ -27,7 +27,9 @@ use enfilade_report::{Error, Place, Report, counted};
 
 /// Whether anybody said in the drawing what moves or stays, so that it can be used or not: then nothing moves by default.
 pub(crate) fn is_any(drawing: &Drawing, plan: &Plan) -> bool {
-    plan.markers.is_move_drawn || movers(drawing).next().is_some() || drawing.idle_marks != IdleMarks::None
+    let allows_works_alone = !drawing.marked.is_empty() && movers(drawing).next().is_none();
+    let is_marked = drawing.idle_marks != IdleMarks::None && !allows_works_alone;
+    plan.markers.is_move_drawn || movers(drawing).next().is_some() || is_marked
 }
 
 /// Says so where marks were made and none can be used: nobody who marks a wall means all the others.

@@ -76,6 +76,32 @@ pub(crate) fn briefed(
     Ok(kept.into_iter().enumerate().map(renamed).collect())
 }
 
+/// The best layout, unless it breaks a limit of the brief that the present layout keeps; then that is told.
+///
+/// # Errors
+/// As reading the written drawing.
+pub(crate) fn best(
+    round: &Round<'_>,
+    made: Option<Made>,
+    report: &mut Report,
+) -> Result<Option<Made>, Error> {
+    let Some(made) = made else { return Ok(None) };
+    if round.brief.is_empty() {
+        return Ok(Some(made));
+    }
+    let brief = brief_of(round.job, &made)?;
+    let broken = newly(&round.brief, &brief, "fail").find(|b| b.weight == "limit");
+    let Some(broken) = broken.filter(|_| !is_bare(round.job.settings)) else {
+        return Ok(Some(Made { brief_words: words(&round.brief, &brief), brief, ..made }));
+    };
+    let text = format!(
+        "the best layout left out: a limit of the brief that the present layout keeps would break: {}",
+        broken.ask
+    );
+    report.warn("options-brief", Place::file(round.job.input.file()), text);
+    Ok(None)
+}
+
 /// The brief of an option, of its drawing read again.
 fn brief_of(Job { input, settings }: Job<'_>, made: &Made) -> Result<Vec<BriefItem>, Error> {
     let options = read::read_options(settings);
