@@ -59,8 +59,12 @@ class Window:
         time.sleep(0.35)
 
     def press(self, name):
-        """Clicks a widget by its object name."""
-        self.click(self.ask("find", name))
+        """Clicks a widget by its object name, once it stands still: rows come and go above it."""
+        at = None
+        while at != (now := self.ask("find", name)):
+            at = now
+            time.sleep(0.2)
+        self.click(at)
 
     def key(self, *keys):
         self._xdotool("key", *keys)
