@@ -18,7 +18,7 @@ pub(crate) struct Polygon {
     shapes: Vec<Vec<Ring>>,
 }
 
-/// Corners nearer than this to the line of their neighbours are none, metres: what rounding to micrometres leaves.
+/// Corners nearer than this to the line of their neighbours are left out, metres: what rounding to micrometres leaves.
 const STRAIGHT_M: f64 = 2e-6;
 
 /// Length of a piece of an arc by its radius: it leaves the arc by a thousandth of the radius.

@@ -51,7 +51,7 @@ pub fn rule_names() -> impl Iterator<Item = &'static str> {
 /// A rule set by its name.
 ///
 /// # Errors
-/// That there is none, with those that there are; what is wrong with its file.
+/// An unknown name, with those that are known; what is wrong with its file.
 pub fn rule_set(name: &str) -> Result<RuleSet, String> {
     let file = FILES.iter().find(|f| f.0 == name).ok_or_else(|| {
         let names: Vec<&str> = rule_names().collect();

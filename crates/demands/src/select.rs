@@ -12,7 +12,7 @@ const ALIKE: f64 = 0.9;
 /// Word for all rooms that are inside.
 const ALL_ROOMS: [&str; 2] = ["rooms", "all"];
 
-/// Rooms that a word means, in their order; or why there are none.
+/// Rooms that a word means, in their order; or why it means no room.
 pub(crate) fn rooms(building: &Building, word: &str) -> Result<Vec<RoomId>, String> {
     let word = word.trim().to_lowercase();
     let all = || (0..building.rooms.len()).map(RoomId);

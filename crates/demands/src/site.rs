@@ -76,7 +76,7 @@ impl<'a> Site<'a> {
         DVec2::new((p[0] - self.origin[0]) as f64, (p[1] - self.origin[1]) as f64) / UM_PER_M
     }
 
-    /// A point as it is told.
+    /// A point as results give it.
     pub fn um(&self, p: DVec2) -> PointUm {
         [0, 1].map(|k| self.origin[k] + (p[k] * UM_PER_M).round() as i64)
     }
@@ -164,7 +164,7 @@ impl<'a> Site<'a> {
         self.building.openings[id.0].is_way() && (is_stair(0) != is_stair(1))
     }
 
-    /// Windows of a room to the outside; glazed doors are told by no plan.
+    /// Windows of a room to the outside; no plan tells glazed doors.
     pub fn outer_windows(&self, room: RoomId) -> Vec<OpeningId> {
         let is_one = |id: &OpeningId| {
             let o = &self.building.openings[id.0];

@@ -27,13 +27,13 @@ impl Holding {
     }
 }
 
-/// Halvings between what holds and what does not: to less than a thousandth of the way.
+/// Halvings between what holds and what does not: 2⁻¹⁰, to less than a thousandth of the way.
 const HALVINGS: usize = 10;
 
-/// A way shortened to less than this share of what was stated is none.
+/// A group whose way is shortened to less than this share of what was stated stays: it would move by millimetres.
 const LEAST_SHARE: f64 = 0.01;
 
-/// The parametrisation with ways that end where a joint would break; a group with none left stays. Both are told.
+/// The parametrisation with ways that end where a joint would break; a group with no way left stays. The report says both.
 pub(super) fn as_far_as_joints_hold(
     known: (&Plan, &Graph, &AxisGraph),
     mut held: Vec<Holding>,
@@ -57,7 +57,7 @@ pub(super) fn as_far_as_joints_hold(
                     refusal.why,
                     now.join("; ")
                 );
-                report.warn("move-shortened", place, text);
+                report.info("move-shortened", place, text);
             }
             None => {
                 held.remove(at);

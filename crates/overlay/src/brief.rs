@@ -6,8 +6,8 @@ use super::brief_item::{BriefFinding, BriefItem, VERDICTS, colour};
 use super::canvas::{Anchor, Canvas, Pen, path_of};
 use super::font::Weight;
 use super::frame::{Frame, Key};
-use super::palette::{GREY, INK};
-use super::picture::{BUILT_LOOK, DEMOLISHED_LOOK, Look, PlanPicture, StrokeKind, draw_strokes};
+use super::palette::INK;
+use super::picture::{PlanPicture, draw_strokes, faint};
 use super::result::Input;
 use enfilade_report::Error;
 
@@ -150,20 +150,6 @@ fn foot(canvas: &mut Canvas, frame: &Frame) {
     let keys: Vec<Key<'_>> =
         VERDICTS.iter().zip(words).map(|(v, word)| Key::line(word, Pen::solid(v.2, LINE_PX * u))).collect();
     frame.keys(canvas, top + 74.0 * u, &keys);
-}
-
-/// The plan below coloured places.
-fn faint(kind: StrokeKind) -> Option<Look> {
-    match kind {
-        StrokeKind::Fixed | StrokeKind::Movable => Some(Look { opacity: 0.75, ..Look::solid(INK, 0.7, 0.0) }),
-        StrokeKind::Door | StrokeKind::Window | StrokeKind::Opening => {
-            Some(Look { opacity: 0.7, ..Look::solid(INK, 0.4, 0.0).dashed(&[3.0, 3.0]) })
-        }
-        StrokeKind::Ignored => Some(Look { opacity: 0.35, ..Look::solid(GREY, 0.35, 0.0) }),
-        StrokeKind::Demolished => Some(DEMOLISHED_LOOK),
-        StrokeKind::Built => Some(BUILT_LOOK),
-        StrokeKind::Doubtful | StrokeKind::Before | StrokeKind::Moved => None,
-    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::canvas::{Canvas, Pen, path_of};
 use super::clip;
 use super::frame::Frame;
-use super::palette::{PAPER, Rgb};
+use super::palette::{GREY, INK, PAPER, Rgb};
 use enfilade_cad::own_layers::DEMOLISHED_RGB;
 
 /// What a stroke stands for.
@@ -238,5 +238,19 @@ impl PlanPicture {
     /// Whether any stroke is of that kind.
     pub fn has(&self, kind: StrokeKind) -> bool {
         self.strokes.iter().any(|s| s.kind == kind)
+    }
+}
+
+/// Looks of a plan that stands behind something coloured.
+pub(super) fn faint(kind: StrokeKind) -> Option<Look> {
+    match kind {
+        StrokeKind::Fixed | StrokeKind::Movable => Some(Look { opacity: 0.55, ..Look::solid(INK, 0.5, 0.0) }),
+        StrokeKind::Door | StrokeKind::Window | StrokeKind::Opening => {
+            Some(Look { opacity: 0.7, ..Look::solid(INK, 0.4, 0.0).dashed(&[3.0, 3.0]) })
+        }
+        StrokeKind::Ignored => Some(Look { opacity: 0.35, ..Look::solid(GREY, 0.35, 0.0) }),
+        StrokeKind::Demolished => Some(DEMOLISHED_LOOK),
+        StrokeKind::Built => Some(BUILT_LOOK),
+        StrokeKind::Doubtful | StrokeKind::Before | StrokeKind::Moved => None,
     }
 }

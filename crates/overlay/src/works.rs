@@ -10,8 +10,8 @@ use super::canvas::{Anchor, Canvas, Pen};
 use super::font::Weight;
 use super::frame::Frame;
 use super::heat_map::{HeatMap, draw_foot};
-use super::palette::{GREY, INK, Palette, Rgb, Scale};
-use super::picture::{BUILT_LOOK, DEMOLISHED_LOOK, Look, PlanPicture, StrokeKind, draw_strokes};
+use super::palette::{GREY, Palette, Rgb, Scale};
+use super::picture::{PlanPicture, draw_strokes, faint};
 use super::result::{ElementRef, Input, Interval};
 use enfilade_cad::drawing::{Addition, Mark};
 use enfilade_cad::own_layers;
@@ -398,20 +398,6 @@ fn name_rooms(canvas: &mut Canvas, frame: &Frame, picture: &PlanPicture) {
             let at = [x, y + i as f32 * 1.3 * size];
             canvas.text(words, at, Anchor::Middle, (size, Weight::Regular, GREY));
         }
-    }
-}
-
-/// The plan behind coloured walls.
-fn faint(kind: StrokeKind) -> Option<Look> {
-    match kind {
-        StrokeKind::Fixed | StrokeKind::Movable => Some(Look { opacity: 0.55, ..Look::solid(INK, 0.5, 0.0) }),
-        StrokeKind::Door | StrokeKind::Window | StrokeKind::Opening => {
-            Some(Look { opacity: 0.7, ..Look::solid(INK, 0.4, 0.0).dashed(&[3.0, 3.0]) })
-        }
-        StrokeKind::Ignored => Some(Look { opacity: 0.35, ..Look::solid(GREY, 0.35, 0.0) }),
-        StrokeKind::Demolished => Some(DEMOLISHED_LOOK),
-        StrokeKind::Built => Some(BUILT_LOOK),
-        StrokeKind::Doubtful | StrokeKind::Before | StrokeKind::Moved => None,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Minimum passage width: walls that move must not narrow a way between walls below it.
 
 use super::pairs::{Aabb, BoxGrid, sweep};
-use super::{Layout, Meeting, TOUCH_M, WallPiece, common_length_m, distance_to_m, meeting, through_m};
+use super::{Layout, Meeting, TOUCH_M, WallPiece, common_length_m, meeting, through_m};
 use enfilade_cad::plane::is_inside_ring;
 use glam::DVec2;
 
@@ -132,12 +132,23 @@ fn are_faces(p: &WallPiece, q: &WallPiece) -> bool {
 /// A line runs across a wall where the cosine of their angle is less than this: half a right angle.
 const ACROSS: f64 = 0.7;
 
-/// The shortest line between two segments that do not meet: one of its ends is an end of a segment.
+/// The shortest line between two segments that do not meet, from `p` to `q`. Between parallel ones it is the middle of all
+/// that are as short: those at their ends may run along the wall at which both stand.
 fn shortest(p: [DVec2; 2], q: [DVec2; 2]) -> [DVec2; 2] {
-    let lines = [(p[0], q), (p[1], q), (q[0], p), (q[1], p)];
-    let shorter =
-        lines.iter().reduce(|a, b| if distance_to_m(b.1, b.0) < distance_to_m(a.1, a.0) { b } else { a });
-    shorter.map_or([p[0], q[0]], |(x, s)| [*x, nearest(*x, *s)])
+    let from = p.map(|x| [x, nearest(x, q)]);
+    let to = q.map(|x| [nearest(x, p), x]);
+    let lines = [from[0], from[1], to[0], to[1]];
+    let length_m = |line: &[DVec2; 2]| line[0].distance(line[1]);
+    let least_m = lines.iter().map(length_m).fold(f64::INFINITY, f64::min);
+    let mut tied = lines.iter().filter(|line| length_m(line) <= least_m + TOUCH_M);
+    let first = *tied.next().unwrap_or(&lines[0]);
+    // Of the lines at both ends of an overlap the outermost two have its middle between them.
+    let farthest =
+        tied.fold(
+            first,
+            |far, line| if line[0].distance(first[0]) > far[0].distance(first[0]) { *line } else { far },
+        );
+    [first[0].midpoint(farthest[0]), first[1].midpoint(farthest[1])]
 }
 
 /// The point of a segment that is nearest to `x`.
@@ -168,6 +179,18 @@ mod tests {
 
     fn missing(initial: &[WallPiece], now: &[WallPiece]) -> f64 {
         Passage::new(&Layout { pieces: initial }, 0.9, None).measure_m(&Layout { pieces: now })
+    }
+
+    /// Two partitions that stand at one wall leave a slot, and that wall does not fill it.
+    #[test]
+    fn a_slot_between_walls_that_stand_at_one_wall_is_a_way() {
+        let room = |x: f64| {
+            let mut all = vec![wall([x, 0.0], [x, 5.0], 0, true), wall([4.0, 0.0], [4.0, 5.0], 2, false)];
+            all.push(wall([0.0, 0.0], [9.0, 0.0], 4, false));
+            all
+        };
+        assert_eq!(missing(&room(1.0), &room(3.0)), 0.0);
+        assert!((missing(&room(1.0), &room(3.3)) - 0.2).abs() < 1e-12);
     }
 
     /// A wall's two faces, 0.1 m apart, of which one alone moves; and a corner that comes nearer to the jamb at which the

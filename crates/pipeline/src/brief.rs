@@ -14,7 +14,6 @@ use crate::understand::understood::Understood;
 use crate::write::show;
 use asked::asked;
 use building::building;
-use enfilade_cad::Opened;
 use enfilade_config::Settings;
 use enfilade_overlay::brief::{BriefResult, brief_png};
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
@@ -33,9 +32,7 @@ pub fn brief_of(
     let settings = &*read::query::on_storey_of_query(input, settings)?;
     let mut report = Report::default();
     state_unread(input, settings, &mut report);
-    let opened = Opened::new(input.file(), &input.bytes)?;
-    let mut drawing = opened.read(&read::read_options(settings), &mut report)?;
-    read::works::add(&mut drawing, settings)?;
+    let drawing = read::drawing(input.file(), &input.bytes, settings, &mut report)?;
     let base = understood(&drawing, settings, &mut report)?;
     cancel.check()?;
     let sensed = Sensed::new(&base, settings);

@@ -179,7 +179,7 @@ fn marks_say_what_is_allowed() {
     assert!(unmarked.iter().all(|w| !w.forbidden_by.contains(&Rule::Unmarked) && w.kind != WorkKind::Add));
 }
 
-/// A mark on a wall that ends at another is none on the other, on whose face its end is drawn.
+/// A mark on a wall allows nothing on the wall at which it ends, on whose face its end is drawn.
 #[test]
 fn the_end_of_a_wall_marks_nothing_of_the_wall_that_it_meets() {
     let (mut d, ..) = house(None);

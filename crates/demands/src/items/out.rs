@@ -32,7 +32,7 @@ const TOO_MANY: &str = "The plan has too many corners to look for ways.";
 const NO_EXIT: &str = "No door leads outside; EF-EXIT says where the exits are.";
 const NO_WAY: &str = "No way leads to an exit.";
 
-/// Ground and exits, or why there are none.
+/// Ground and exits, or why neither is known.
 fn ground<'a>(site: &'a Site<'_>) -> Result<(&'a Ground, Vec<[DVec2; 2]>), String> {
     let lines: Vec<[DVec2; 2]> = site.exits().iter().map(|e| e.line).collect();
     if lines.is_empty() {

@@ -1,4 +1,4 @@
-//! Verdicts as they are told: numbers, words, places.
+//! Verdicts for results: numbers, words, places.
 
 use crate::job::Input;
 use crate::understand::understood::Understood;

@@ -79,7 +79,6 @@ pub(crate) struct Guards {
     joints: Option<Joints>,
     narrow: Option<Passage>,
     things: Option<Struck>,
-    crossings: Option<Overlap>,
 }
 
 impl Guards {
@@ -94,7 +93,6 @@ impl Guards {
         out.joints = out.joints.filter(|_| !allow.open_joints);
         out.narrow = out.narrow.filter(|_| !allow.narrow_ways && !is_stated);
         out.things = out.things.filter(|_| !allow.things);
-        out.crossings = out.crossings.filter(|_| !allow.crossings);
         out
     }
 
@@ -106,7 +104,6 @@ impl Guards {
             joints: Some(Joints::new(plan, moves)),
             narrow: Some(Passage::new(&drawn, PASSAGE_WIDTH_M * plan.human_scale, None)),
             things: Some(Struck::new(plan, moves, fittings)),
-            crossings: Some(Overlap::new(&drawn)),
         }
     }
 
@@ -127,10 +124,11 @@ impl Guards {
 }
 
 impl Guards {
-    /// What is wrong with a layout, one by one; of what is shared by two walls, only where `holds` for both.
+    /// What is wrong with a layout, one by one, and what `crossings` finds where it is not allowed; of what is shared by two
+    /// walls, only where `holds` for both.
     pub fn found(
         &self,
-        (base, pieces): (&Understood, &Pieces),
+        (base, pieces, crossings): (&Understood, &Pieces, Option<&Overlap>),
         layout: &Layout,
         holds: &dyn Fn([u32; 2]) -> bool,
     ) -> Vec<Fault> {
@@ -149,7 +147,7 @@ impl Guards {
             _ => true,
         };
         let opened = self.joints.as_ref().map_or_else(Vec::new, |j| j.opened(&base.plan, layout));
-        let crossing = self.crossings.as_ref().map_or_else(Vec::new, |o| o.pairs_m(&now));
+        let crossing = crossings.map_or_else(Vec::new, |o| o.pairs_m(&now));
         let narrow = self.narrow.as_ref().map_or_else(Vec::new, |n| n.pairs_m(&now));
         let struck = self.things.as_ref().map(|t| t.by(layout)).unwrap_or_default();
         let mut out: Vec<Fault> = opened.into_iter().filter(joined).map(Fault::Opened).collect();

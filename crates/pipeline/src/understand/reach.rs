@@ -1,6 +1,6 @@
 //! Ways of marks that end at what a builder would refuse, each told with what stands in the way and how far it goes.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::understand::faults::{Fault, Guards, is_gated};
 use crate::understand::named;
@@ -9,6 +9,8 @@ use crate::understand::understood::Understood;
 use enfilade_cad::drawing::place_in;
 use enfilade_config::Settings;
 use enfilade_moves::{Layout, Moves, Parameter};
+use enfilade_overlay::words::listed;
+use enfilade_penalties::Overlap;
 use enfilade_plan::markers::{Clause, Group, Kind};
 use enfilade_report::{Place, Report};
 
@@ -33,6 +35,8 @@ struct Walk<'a> {
     base: &'a Understood,
     pieces: Pieces,
     guards: Guards,
+    /// Nothing where walls may run through each other.
+    crossings: Option<Overlap>,
 }
 
 /// The moves of marks with ways that end where nothing beyond can be built: whatever stands at the far end is allowed, or
@@ -46,12 +50,15 @@ pub(crate) fn within_reach<'a>(
     report: &mut Report,
 ) -> Moves {
     let mut moves = base.moves.clone();
-    if !is_gated(base, settings) || settings.raw {
+    if !is_gated(base, settings) {
         return moves;
     }
     let pieces = Pieces::new(base);
     let guards = Guards::new(base, &pieces.drawn, settings);
-    let walk = Walk { base, pieces, guards };
+    let drawn = enfilade_penalties::Layout { pieces: &pieces.drawn };
+    let crossings = (!settings.allow.crossings).then(|| Overlap::new(&drawn));
+    let walk = Walk { base, pieces, guards, crossings };
+    let mut without_way = Vec::new();
     let is_linked = |p: &Parameter| settings.links.iter().any(|l| l.groups.contains(&p.group_name));
     for i in 0..moves.parameters.len() {
         let p = &base.moves.parameters[i];
@@ -74,14 +81,22 @@ pub(crate) fn within_reach<'a>(
             group.map_or_else(|| Place::file(&base.plan.file), |g| place_in(&base.plan.file, &g.source));
         let text = words(base, p, &clause, &faults);
         // Marks are drawn generously: that less of a way can be built is no fault, that none can is.
-        let still = clause.kind.identity();
-        match clause.lower == still && clause.upper == still {
-            true => report.warn("move-shortened", place, text),
-            false => report.info("move-shortened", place, text),
+        if has_way(&clause) {
+            report.info("move-shortened", place, text);
+        } else {
+            report.warn("move-shortened", place, text);
+            without_way.push(i);
         }
         moves.parameters[i].clause = clause;
     }
+    moves.leave_out(&without_way);
     moves
+}
+
+/// Whether a clause takes its group anywhere.
+fn has_way(clause: &Clause) -> bool {
+    let still = clause.kind.identity();
+    clause.lower != still || clause.upper != still
 }
 
 impl Walk<'_> {
@@ -151,7 +166,7 @@ impl Walk<'_> {
         let changed: BTreeSet<u32> = layout.walls.iter().filter(|w| w.is_changed).map(|w| w.wall).collect();
         let stays = |w: u32| self.base.moves.walls.binary_search(&w).is_err();
         let holds = |pair: [u32; 2]| pair.iter().all(|w| changed.contains(w) || stays(*w));
-        self.guards.found((self.base, &self.pieces), layout, &holds)
+        self.guards.found((self.base, &self.pieces, self.crossings.as_ref()), layout, &holds)
     }
 }
 
@@ -169,25 +184,18 @@ fn words(base: &Understood, p: &Parameter, clause: &Clause, faults: &[Fault]) ->
         Fault::Narrow([a, b]) => format!("leave less than 0.9 m between {} and {}", wall(a), wall(b)),
         Fault::Struck(_) => "run into something that stands there".to_owned(),
     };
-    let mut all: Vec<String> = Vec::new();
-    let mut allowed: BTreeSet<&str> = BTreeSet::new();
+    // One of each kind says what the others would.
+    let mut first: BTreeMap<&str, String> = BTreeMap::new();
     for fault in faults {
-        let text = told(fault);
-        if allowed.insert(fault.word()) && !all.contains(&text) {
-            all.push(text);
-        }
+        first.entry(fault.word()).or_insert_with(|| told(fault));
     }
-    let words = allowed.iter().copied().collect::<Vec<_>>().join(", ");
-    let words = if allowed.len() > 1 { format!("\"{words}\"") } else { words };
-    let still = clause.kind.identity();
-    let rest = match clause.lower == still && clause.upper == still {
-        true => "it stays".to_owned(),
-        false => format!("it moves by `{clause}` alone"),
-    };
+    let words: Vec<&str> = first.keys().copied().collect();
+    let words = if words.len() > 1 { format!("\"{}\"", words.join(", ")) } else { words.concat() };
+    let rest = if has_way(clause) { format!("it moves by `{clause}` alone") } else { "it stays".to_owned() };
     format!(
         "group {:?}: `{}` goes farther than can be built: it would {}; {rest}; `--allow {words}` takes it on",
         p.group_name,
         p.clause,
-        all.join(", and ")
+        listed(&first.into_values().collect::<Vec<_>>(), "and")
     )
 }

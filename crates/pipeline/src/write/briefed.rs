@@ -1,5 +1,7 @@
 //! What options have of the brief of rooms, read again from their written files.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
 use crate::brief::checked;
@@ -12,6 +14,7 @@ use crate::understand::rooms::rooms_with_kinds;
 use crate::understand::sensed::Sensed;
 use crate::understand::understood;
 use crate::write::made::Made;
+use enfilade_brief::demand::Weight;
 use enfilade_config::Settings;
 use enfilade_overlay::brief_item::BriefItem;
 use enfilade_overlay::words::listed;
@@ -20,50 +23,32 @@ use enfilade_report::{Error, Place, Report, counted};
 /// Items that are named one by one.
 const TOLD: usize = 4;
 
-/// The options with what they have of the brief. One that breaks a limit which the present layout keeps is left out and
-/// told, unless it is pinned or the search is taken as it is.
+/// The options with what they have of the brief. One that breaks a limit which the present layout keeps is left out, and
+/// the report says so, unless it is pinned or the search is taken as it is.
 ///
 /// # Errors
 /// As reading the written drawing.
-pub(crate) fn briefed(
-    round: &Round<'_>,
-    mut made: Vec<Made>,
-    report: &mut Report,
-) -> Result<Vec<Made>, Error> {
-    let Job { input, settings } = round.job;
+pub(crate) fn briefed(round: &Round<'_>, made: Vec<Made>, report: &mut Report) -> Result<Vec<Made>, Error> {
     if round.brief.is_empty() {
         return Ok(made);
     }
     let briefs: Vec<Vec<BriefItem>> =
         made.par_iter().map(|m| brief_of(round.job, m)).collect::<Result<_, Error>>()?;
-    let pins = pinned(settings);
-    let mut broken: Vec<String> = Vec::new();
-    let mut left_out = 0;
-    let mut kept = Vec::new();
-    for (i, (m, brief)) in made.drain(..).zip(briefs).enumerate() {
-        let breaks: Vec<&BriefItem> =
-            newly(&round.brief, &brief, "fail").filter(|b| b.weight == "limit").collect();
-        if breaks.is_empty() || i < pins || is_bare(settings) {
-            kept.push((i, Made { brief_words: words(&round.brief, &brief), brief, ..m }));
-            continue;
+    let pins = pinned(round.job.settings);
+    let mut broken: BTreeSet<String> = BTreeSet::new();
+    let mut kept: Vec<(usize, Made)> = Vec::new();
+    let all = made.len();
+    for (i, (m, brief)) in made.into_iter().zip(briefs).enumerate() {
+        let breaks = broken_limits(round, &brief);
+        if breaks.is_empty() || i < pins {
+            kept.push((i, Made { brief, ..m }));
+        } else {
+            broken.extend(breaks);
         }
-        left_out += 1;
-        let asks = breaks.into_iter().map(|b| b.ask.clone());
-        asks.for_each(|ask| {
-            if !broken.contains(&ask) {
-                broken.push(ask)
-            }
-        });
     }
-    if left_out > 0 {
-        let more = if broken.len() > TOLD { ", …" } else { "" };
-        broken.truncate(TOLD);
-        let text = format!(
-            "{} left out: a limit of the brief that the present layout keeps would break: {}{more}",
-            counted(left_out, "option"),
-            broken.join("; ")
-        );
-        report.warn("options-brief", Place::file(input.file()), text);
+    if kept.len() < all {
+        let what = counted((all - kept.len()) as u64, "option");
+        state_left_out(round, &what, &broken, report);
     }
     let places: Vec<usize> = kept.iter().map(|k| k.0).collect();
     let number = |was: usize| places.iter().position(|p| p + 1 == was).map(|p| p + 1);
@@ -76,7 +61,8 @@ pub(crate) fn briefed(
     Ok(kept.into_iter().enumerate().map(renamed).collect())
 }
 
-/// The best layout, unless it breaks a limit of the brief that the present layout keeps; then that is told.
+/// The best layout with what it has of the brief, unless it breaks a limit which the present layout keeps; the report says
+/// so.
 ///
 /// # Errors
 /// As reading the written drawing.
@@ -90,16 +76,31 @@ pub(crate) fn best(
         return Ok(Some(made));
     }
     let brief = brief_of(round.job, &made)?;
-    let broken = newly(&round.brief, &brief, "fail").find(|b| b.weight == "limit");
-    let Some(broken) = broken.filter(|_| !is_bare(round.job.settings)) else {
-        return Ok(Some(Made { brief_words: words(&round.brief, &brief), brief, ..made }));
-    };
+    let broken: BTreeSet<String> = broken_limits(round, &brief).into_iter().collect();
+    if broken.is_empty() {
+        return Ok(Some(Made { brief, ..made }));
+    }
+    state_left_out(round, "the best layout", &broken, report);
+    Ok(None)
+}
+
+/// The limits that an option breaks and the present layout keeps; nothing where the search is taken as it is.
+fn broken_limits(round: &Round<'_>, brief: &[BriefItem]) -> Vec<String> {
+    if is_bare(round.job.settings) {
+        return Vec::new();
+    }
+    let limits = newly(&round.brief, brief, "fail").filter(|b| b.weight == Weight::Limit.name());
+    limits.map(|b| b.ask.clone()).collect()
+}
+
+fn state_left_out(round: &Round<'_>, what: &str, broken: &BTreeSet<String>, report: &mut Report) {
+    let named: Vec<&str> = broken.iter().take(TOLD).map(String::as_str).collect();
+    let more = if broken.len() > TOLD { ", …" } else { "" };
     let text = format!(
-        "the best layout left out: a limit of the brief that the present layout keeps would break: {}",
-        broken.ask
+        "{what} left out: a limit of the brief that the present layout keeps would break: {}{more}",
+        named.join("; ")
     );
     report.warn("options-brief", Place::file(round.job.input.file()), text);
-    Ok(None)
 }
 
 /// The brief of an option, of its drawing read again.
@@ -139,7 +140,7 @@ fn newly<'a>(
 }
 
 /// What an option changes of the brief, as sentences; empty where nothing.
-fn words(present: &[BriefItem], option: &[BriefItem]) -> String {
+pub(crate) fn words(present: &[BriefItem], option: &[BriefItem]) -> String {
     let said = |verdict: &'static str| -> Vec<String> {
         newly(present, option, verdict).map(|i| format!("`{}`", i.ask)).take(TOLD).collect()
     };

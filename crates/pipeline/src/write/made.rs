@@ -29,9 +29,8 @@ pub(crate) struct Made {
     pub(crate) explanation: Explanation,
     /// Confirmed gains; empty where nothing was confirmed.
     pub(crate) gains: Gains,
-    /// What it has of the brief of rooms, and in words what changes there.
+    /// What it has of the brief of rooms; empty where there is none.
     pub(crate) brief: Vec<BriefItem>,
-    pub(crate) brief_words: String,
     /// What it builds beside what it moves.
     pub(crate) built: Option<Arc<BuildingOption>>,
 }

@@ -74,7 +74,6 @@ pub(crate) fn make(
         explanation: Explanation::default(),
         gains: Gains::new(),
         brief: Vec::new(),
-        brief_words: String::new(),
         built: None,
     })
 }
@@ -164,7 +163,6 @@ fn building(study: &Study, name: &str, option: &Arc<BuildingOption>) -> Made {
         explanation: Explanation::default(),
         gains: option.gains.clone(),
         brief: Vec::new(),
-        brief_words: String::new(),
         built: Some(Arc::clone(option)),
     }
 }

@@ -9,7 +9,7 @@ use crate::works::Offer;
 use crate::write::changes::changes;
 use crate::write::diversity::{distances, likeness};
 use crate::write::made::Made;
-use crate::write::{along, doors, leaving, show};
+use crate::write::{along, briefed, doors, leaving, show};
 use enfilade_config::Settings;
 use enfilade_overlay::result::{
     self, Best, Candidate, Diversity, Gains, LineageEntry, MoveEntry, Numbers, Objective, RoundResult,
@@ -33,11 +33,11 @@ pub(crate) fn round_result(
         mean: show::mean_numbers(study, &study.initial),
         penalty: show::penalty_numbers(&study.initial),
     };
-    let of = |m: &Made| candidate(settings, study, &moves, &initial.mean, m);
+    let of = |m: &Made| candidate(round, &moves, &initial.mean, m);
     let candidates = made.iter().map(of).collect();
     let all = made;
     let best = best.map(|made| {
-        let of = candidate(settings, study, &moves, &initial.mean, made);
+        let of = candidate(round, &moves, &initial.mean, made);
         Best {
             file: of.file,
             parameters: of.parameters,
@@ -86,13 +86,8 @@ fn of_works(offer: Option<&Offer>) -> Option<Vec<Objective>> {
     offer.filter(|o| !o.options.is_empty()).map(|o| o.objectives.clone())
 }
 
-pub(crate) fn candidate(
-    settings: &Settings,
-    study: &Study,
-    moves: &[MoveEntry],
-    initial: &Numbers,
-    made: &Made,
-) -> Candidate {
+pub(crate) fn candidate(round: &Round<'_>, moves: &[MoveEntry], initial: &Numbers, made: &Made) -> Candidate {
+    let (study, settings) = (round.study, round.job.settings);
     let mean = show::mean_numbers(study, &made.worth);
     let (explanation, gain) = (&made.explanation, made.gains.clone());
     let told = gains_words(study, initial, &mean, &gain);
@@ -111,7 +106,7 @@ pub(crate) fn candidate(
             + &along::unseen_words(made)
             + &leaving::leaving_words(&study.base.plan, &made.layout)
             + &doors::narrowed_words(&study.base, &made.layout)
-            + &made.brief_words
+            + &briefed::words(&round.brief, &made.brief)
             + &along::stays_words(&made.report),
         explanation: explanation.clone(),
         mean,

@@ -116,7 +116,7 @@ fn options_are_of_what_is_allowed() {
     assert!(gains.is_sorted_by(|a, b| a >= b), "{gains:?}");
 }
 
-/// No option breaks a limit of the brief that the present layout keeps; a goal is told.
+/// No option breaks a limit of the brief that the present layout keeps; its words name a goal that it breaks.
 #[test]
 fn options_keep_the_brief() {
     let bytes = std::fs::read(sample("flat.dxf")).unwrap();
