@@ -536,20 +536,24 @@ fn option_number(text: &str) -> Result<usize, String> {
 
 /// `accept`.
 #[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("taken").args(["number", "point"]))]
 pub struct AcceptArgs {
     /// The drawing the round was made from.
     pub file: PathBuf,
     /// Option, from 1; `best` (or 0): the best layout found, with all its moves.
-    #[arg(value_name = "N|best", value_parser = option_number, required_unless_present = "clean")]
+    #[arg(value_name = "N|best", value_parser = option_number, required_unless_present_any = ["clean", "point"])]
     pub number: Option<usize>,
+    /// A point of the front of gain against effort instead of an option: its works, as the page and result.json list them.
+    #[arg(long, value_name = "N", conflicts_with = "number", value_parser = whole::<usize>)]
+    pub point: Option<usize>,
     /// Take what is demolished out of the new drawing for good; without an option, out of a copy of this one.
     #[arg(long)]
     pub clean: bool,
     /// Round to take it from; the newest by default.
-    #[arg(long, value_name = "N", requires = "number", value_parser = whole::<u32>)]
+    #[arg(long, value_name = "N", requires = "taken", value_parser = whole::<u32>)]
     pub round: Option<u32>,
     /// Take it from the best so far of a stopped search, in the folder so-far.
-    #[arg(long, requires = "number", conflicts_with = "round")]
+    #[arg(long, requires = "taken", conflicts_with = "round")]
     pub so_far: bool,
     /// Where the results of the drawing are, if not beside it.
     #[arg(long, value_name = "DIR")]

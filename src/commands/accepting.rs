@@ -10,6 +10,7 @@ use crate::store::{self, Revision, SystemDisk, led_beside};
 use enfilade_cad::drawing::Format;
 use enfilade_config::{Partial, WorkTable, settings_files};
 use enfilade_pipeline::Input;
+use enfilade_pipeline::accept::Chosen;
 use enfilade_report::{Error, Place, counted};
 
 /// An option that became a drawing.
@@ -29,25 +30,25 @@ pub(super) struct Accepted {
 pub(super) struct Choice {
     /// Of what.
     pub(super) of: Which,
-    /// From 1; 0 is the best layout.
-    pub(super) number: usize,
+    /// What of it.
+    pub(super) chosen: Chosen,
     /// Whether what is demolished is taken out.
     pub(super) is_clean: bool,
 }
 
 pub(super) fn accept(args: &AcceptArgs) -> Result<u8, Error> {
     let file = led_beside(&args.file);
-    let Some(number) = args.number else { return clean(&file) };
+    let chosen = args.number.map(Chosen::numbered).or(args.point.map(Chosen::Point));
+    let Some(chosen) = chosen else { return clean(&file) };
     let of = if args.so_far { Which::SoFar(None) } else { args.round.map_or(Which::Newest, Which::Round) };
     let results = results_of(&args.file, args.out.clone())?;
-    let accepted = accept_option(&file, &results, Choice { of, number, is_clean: args.clean })?;
+    let accepted = accept_option(&file, &results, Choice { of, chosen, is_clean: args.clean })?;
     let Accepted { of, next, side_car, is_new, cleaned } = accepted;
-    let what = if number == 0 { "the best layout".into() } else { format!("option {number}") };
     if !is_new {
-        say(&format!("{what} of {of} was accepted before, as {}; nothing was written", next.display()));
+        say(&format!("{chosen} of {of} was accepted before, as {}; nothing was written", next.display()));
         return Ok(0);
     }
-    say(&format!("{what} of {of} is now {}", next.display()));
+    say(&format!("{chosen} of {of} is now {}", next.display()));
     if args.clean {
         say(&taken_out(&next, cleaned));
     }
@@ -77,7 +78,7 @@ pub(super) fn accept_option(file: &Path, results: &Path, choice: Choice) -> Resu
         beside(file),
         &result,
         origin,
-        choice.number,
+        choice.chosen,
     )?;
     let (drawing, cleaned) = match choice.is_clean {
         true => enfilade_cad::without_demolished(&path, &accepted.drawing)?,

@@ -9,6 +9,7 @@ use super::{Accepted, Choice, Which, accept_option, hold, one_round, open, resul
 use crate::daemon::{Asked, Notice};
 use enfilade_config::{Partial, Settings};
 use enfilade_overlay::result::{CheckResult, RoundResult};
+use enfilade_pipeline::accept::Chosen;
 use enfilade_pipeline::cells::{self, CellOptions, Cells, Measured};
 use enfilade_pipeline::{Extras, Input, Outcome, Progress, Study};
 use enfilade_report::{Cancel, Error, Place, Report};
@@ -138,7 +139,7 @@ impl Drawing {
     /// [`Error::Environment`] where it cannot be written.
     pub fn accept(&self, round: u32, number: usize, out: Option<PathBuf>) -> Result<NewDrawing, Error> {
         let results = results_of(&self.file, out.or(self.said.out.clone().map(PathBuf::from)))?;
-        let choice = Choice { of: Which::Round(round), number, is_clean: false };
+        let choice = Choice { of: Which::Round(round), chosen: Chosen::numbered(number), is_clean: false };
         let Accepted { next, is_new, .. } = accept_option(&self.file, &results, choice)?;
         Ok(NewDrawing { path: next, is_new })
     }

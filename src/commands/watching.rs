@@ -20,6 +20,7 @@ use crate::store::{Disk as _, Log, SystemDisk, led_beside};
 use crate::watch::{Completeness, canonical_roots};
 use enfilade_config::{Partial, Settings, WatchTable};
 use enfilade_overlay::result::to_json;
+use enfilade_pipeline::accept::Chosen;
 use enfilade_report::{Cancel, Error, Place, Problem, Severity, complain};
 
 /// All jobs together may use this share of the machine's memory unless the settings say otherwise.
@@ -58,7 +59,7 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
             Taken::Round(n) => Which::Round(n),
             Taken::SoFar(n) => Which::SoFar(Some(n)),
         };
-        let choice = Choice { of: which, number, is_clean: false };
+        let choice = Choice { of: which, chosen: Chosen::numbered(number), is_clean: false };
         accept_option(drawing, results, choice).map(|a| a.next)
     };
     let page =

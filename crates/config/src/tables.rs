@@ -83,6 +83,9 @@ pub struct LineageTable {
     pub so_far: bool,
     /// Candidate that was accepted, from 1; 0: the best layout.
     pub candidate: u32,
+    /// The point of its front that was accepted instead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub point: Option<u32>,
     /// Mark of spacing and regions: values of others are not compared. Empty where it is not known.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub ruler: String,

@@ -25,6 +25,8 @@ pub mod diversity;
 pub mod element;
 mod font;
 mod frame;
+pub mod front;
+pub mod gain;
 pub mod glossary;
 pub mod graph;
 pub mod heat_map;

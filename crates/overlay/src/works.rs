@@ -236,12 +236,8 @@ impl WorksResult {
             pair
         };
         let share = |w: &WorkEntry| w.gain.get(VISIBILITY).map_or(0.0, |g| g.share);
-        // Glass always shows more and joins nothing: it is named where it is all that may be done.
-        let is_all_glass = self.works.iter().filter(|w| is_taken(w)).all(|w| w.kind == "glaze");
-        let may =
-            |w: &&WorkEntry| is_taken(w) && (is_all_glass || w.kind != "glaze") && share(w) > LEAST_SHOWN;
         let (small, whole): (Vec<&WorkEntry>, Vec<&WorkEntry>) =
-            self.works.iter().filter(may).partition(|w| w.kind != "remove");
+            self.gaining(is_taken).into_iter().partition(|w| w.kind != "remove");
         let mut out: Vec<&WorkEntry> = Vec::new();
         for work in small.into_iter().chain(whole) {
             if !out.iter().any(|o| pair(o) == pair(work)) {
@@ -251,6 +247,16 @@ impl WorksResult {
         out.sort_by(|a, b| share(b).total_cmp(&share(a)));
         out.truncate(most);
         out
+    }
+
+    /// The works that a caller takes and that bring something, those that bring most first. Glass always shows more and joins
+    /// nothing: it is among them where it is all that may be done.
+    pub fn gaining(&self, is_taken: impl Fn(&WorkEntry) -> bool) -> Vec<&WorkEntry> {
+        let is_all_glass = self.works.iter().filter(|w| is_taken(w)).all(|w| w.kind == "glaze");
+        let share = |w: &WorkEntry| w.gain.get(VISIBILITY).map_or(0.0, |g| g.share);
+        let may =
+            |w: &&WorkEntry| is_taken(w) && (is_all_glass || w.kind != "glaze") && share(w) > LEAST_SHOWN;
+        self.works.iter().filter(may).collect()
     }
 
     /// What no wall at all would bring between the same rooms, where that is allowed and another work was named.

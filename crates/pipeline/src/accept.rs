@@ -3,6 +3,7 @@
 //! The drawing gets the moves and nothing else; what the next round needs to know (moves with the
 //! bounds that are left, settings, where it came from) stands in its side-car.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use toml::{Table, Value};
@@ -21,6 +22,7 @@ use enfilade_config::{
     Beside, KnownMove, LineageTable, NONE, Partial, SETTINGS_VERSION, Settings, Thresholds,
 };
 use enfilade_moves::{Layout, NodeGroup, Parameter, enclosed};
+use enfilade_overlay::built::OptionWork;
 use enfilade_overlay::result::{Numbers, RoundResult};
 use enfilade_plan::Wall;
 use enfilade_plan::graph::Handle;
@@ -51,8 +53,86 @@ impl std::fmt::Display for Origin {
     }
 }
 
-/// Makes the drawing of candidate `number` (from 1) of a round, or of the best layout found (0); `beside` as in
-/// [`Settings::beside`].
+/// What of a round is accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Chosen {
+    /// The best layout found.
+    Best,
+    /// An option, from 1.
+    Option(usize),
+    /// A point of the front of gain against effort, from 1.
+    Point(usize),
+}
+
+impl Chosen {
+    /// An option by its number; 0 is the best layout.
+    pub fn numbered(number: usize) -> Self {
+        if number == 0 { Self::Best } else { Self::Option(number) }
+    }
+}
+
+impl std::fmt::Display for Chosen {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Best => f.write_str("the best layout"),
+            Self::Option(n) => write!(f, "option {n}"),
+            Self::Point(n) => write!(f, "point {n}"),
+        }
+    }
+}
+
+/// What is taken of a round.
+struct Taken<'r> {
+    parameters: Cow<'r, [f64]>,
+    mean: &'r Numbers,
+    works: &'r [OptionWork],
+}
+
+/// What is chosen of a round, if it has that; a point moves nothing.
+fn taken(result: &RoundResult, chosen: Chosen) -> Option<Taken<'_>> {
+    match chosen {
+        Chosen::Best => {
+            let best = result.best.as_ref()?;
+            Some(Taken { parameters: (&best.parameters[..]).into(), mean: &best.mean, works: &[] })
+        }
+        Chosen::Option(n) => {
+            let c = result.candidates.get(n.checked_sub(1)?)?;
+            Some(Taken { parameters: (&c.parameters[..]).into(), mean: &c.mean, works: &c.works })
+        }
+        Chosen::Point(n) => {
+            let point = result.front.get(n.checked_sub(1)?)?;
+            let still: Vec<f64> = result.moves.iter().map(|m| m.kind.identity()).collect();
+            Some(Taken { parameters: still.into(), mean: &point.mean, works: &point.works })
+        }
+    }
+}
+
+/// Why a round does not have what is chosen.
+fn has_none(result: &RoundResult, origin: Origin, chosen: Chosen) -> String {
+    let n = result.candidates.len();
+    let none = result.problems.iter().find(|p| p.code == "no-option");
+    match chosen {
+        Chosen::Point(_) if result.front.is_empty() => {
+            format!("{origin} has no works to choose a point of, found {chosen}; nothing was written")
+        }
+        Chosen::Point(_) => {
+            format!("{origin} has points 1 to {}, found {chosen}; nothing was written", result.front.len())
+        }
+        Chosen::Best if none.is_some() => {
+            let why = none.map_or("", |p| p.text.as_str());
+            format!("{origin} has no best layout: {why}; nothing was written")
+        }
+        Chosen::Best => format!("{origin} found no layout better than the present one; nothing was written"),
+        Chosen::Option(number) if n == 0 => {
+            format!("{origin} has no options, found number {number}; nothing was written")
+        }
+        Chosen::Option(number) => format!(
+            "{origin} has options 1 to {n} (0 is the best layout found), found number {number}; nothing was written"
+        ),
+    }
+}
+
+/// Makes the drawing of what is chosen of a round; `beside` as in [`Settings::beside`].
 ///
 /// # Errors
 /// [`Error::Usage`] when there is no such candidate; [`Error::Input`] when the drawing is not the one the
@@ -62,31 +142,13 @@ pub fn accept(
     beside: Beside,
     result: &RoundResult,
     origin: Origin,
-    number: usize,
+    chosen: Chosen,
 ) -> Result<Accepted, Error> {
     let place = || Place::file(input.file());
-    let chosen = match number.checked_sub(1) {
-        Some(i) => result.candidates.get(i).map(|c| (&c.parameters, &c.mean, &c.works[..])),
-        None => result.best.as_ref().map(|b| (&b.parameters, &b.mean, &[][..])),
+    let Some(Taken { parameters, mean, works }) = taken(result, chosen) else {
+        return Err(Error::usage("candidate", place(), has_none(result, origin, chosen)));
     };
-    let Some((parameters, mean, works)) = chosen else {
-        let n = result.candidates.len();
-        let none = result.problems.iter().find(|p| p.code == "no-option");
-        let text = match number {
-            0 if none.is_some() => {
-                let why = none.map_or("", |p| p.text.as_str());
-                format!("{origin} has no best layout: {why}; nothing was written")
-            }
-            0 => format!("{origin} found no layout better than the present one; nothing was written"),
-            _ if n == 0 => {
-                format!("{origin} has no options, found number {number}; nothing was written")
-            }
-            _ => format!(
-                "{origin} has options 1 to {n} (0 is the best layout found), found number {number}; nothing was written"
-            ),
-        };
-        return Err(Error::usage("candidate", place(), text));
-    };
+    let parameters = &parameters[..];
     let is_saved_again = || !result.input.content.is_empty() && input.content() == result.input.content;
     if input.sha256() != result.input.sha256 && !is_saved_again() {
         let text = format!(
@@ -125,7 +187,7 @@ pub fn accept(
     let drawing = if works.is_empty() {
         moved((input, &settings), &base, &layout)?
     } else {
-        let made = of_option(Job { input, settings: &settings }, works)?;
+        let made = of_option(Job { input, settings: &settings }, works, parameters)?;
         // What the drawing cannot hold is decided beside it.
         settings.works.extend(made.written.tables);
         made.bytes
@@ -135,7 +197,8 @@ pub fn accept(
         round: origin.round,
         so_far: origin.is_so_far,
         ruler: ruler(&base.plan, &settings, result.spacing_m),
-        candidate: number as u32,
+        candidate: if let Chosen::Option(n) = chosen { n as u32 } else { 0 },
+        point: if let Chosen::Point(n) = chosen { Some(n as u32) } else { None },
         initial: pairs(&result.initial.mean),
         accepted: pairs(mean),
     };

@@ -153,12 +153,17 @@ fn offered(
     let listed = works::of_study(job, study, cancel)?;
     let aims = objectives(job.settings);
     let told = found.map_or_else(|| as_drawn((trial, job.settings), &aims), |f| f.objectives.clone());
-    let judges = works::options::Judges { study, trial, objectives: &aims, told: &told };
+    let judges = works::option::Judges { study, trial, objectives: &aims, told: &told };
+    let layouts = found.map_or(Vec::new(), Found::layouts);
     let is_wanted = !round.is_asked() && works::options::are_wanted(&study.base);
-    let options =
-        if is_wanted { works::options::options(job, judges, &listed, report, cancel)? } else { Vec::new() };
-    let objectives = works::options::lowered(told, &options, job.settings);
-    Ok(Offer { listed, options: options.into_iter().map(Arc::new).collect(), objectives })
+    let found = if is_wanted {
+        works::options::options(job, judges, (&listed, &layouts), report, cancel)?
+    } else {
+        Default::default()
+    };
+    let objectives = works::options::lowered(told, &found.options, job.settings);
+    let options = found.options.into_iter().map(Arc::new).collect();
+    Ok(Offer { listed, options, front: found.front, objectives })
 }
 
 /// What a round finds: a search, and what is confirmed of it. The best so far is handed out as often as the settings say.

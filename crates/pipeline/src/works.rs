@@ -1,11 +1,15 @@
 //! `enfilade works`: every building work measured, ranked, the best confirmed.
 
+mod builder;
 mod cuts;
 mod edits;
 mod fitted;
 mod made;
+pub(crate) mod option;
 pub(crate) mod options;
+mod sets;
 mod shown;
+mod with_moves;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -29,6 +33,7 @@ use enfilade_engine::visibility::visibility_graph;
 use enfilade_engine::{Lattice, Obstacles};
 use enfilade_overlay::built::Effort;
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
+use enfilade_overlay::result::FrontPoint;
 use enfilade_overlay::result::{self, Interval, Objective};
 use enfilade_overlay::works::{
     BestEntry, ColouredWall, RoomEntry, STEPS, VISIBILITY, WORKS_SCHEMA, WorkEntry, WorkGain, WorksResult,
@@ -42,9 +47,9 @@ use enfilade_works::counts::{Present, STEP_M, degrees, difference};
 use enfilade_works::rooms::rooms_of;
 use enfilade_works::walls::{Wall, walls};
 use enfilade_works::{Change, Room, RoomId, Site, Work, WorkKind, Works, works};
-pub(crate) use made::of_option;
 pub use made::{MadeWorks, make_works};
-use options::BuildingOption;
+pub(crate) use made::{Moved, of_option};
+use option::BuildingOption;
 
 /// Works of which steps are counted too: by trees of all cells.
 const WITH_STEPS: usize = 24;
@@ -95,6 +100,8 @@ pub(crate) struct Offer {
     pub listed: Listed,
     /// Those that are options, the best first.
     pub options: Vec<Arc<BuildingOption>>,
+    /// What works together bring for what they cost.
+    pub front: Vec<FrontPoint>,
     /// What is asked for, with the present layout's values.
     pub objectives: Vec<Objective>,
 }

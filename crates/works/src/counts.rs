@@ -72,7 +72,7 @@ impl Present<'_> {
     }
 
     /// What a view between two vertices shows of private rooms.
-    fn shows(&self, u: u32, v: u32) -> Shows {
+    pub fn shows(&self, u: u32, v: u32) -> Shows {
         if !self.shows_private(u, v) {
             return Shows::Nothing;
         }

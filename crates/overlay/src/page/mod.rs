@@ -102,6 +102,7 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
     }
     cards::stage(&mut html, &fitted);
     cards::grid(&mut html, &fitted);
+    works::front(&mut html, input.result);
     if has_options {
         works::works(&mut html, &fitted);
     }

@@ -244,6 +244,9 @@ pub fn lineage(html: &mut Html, result: &RoundResult) {
 fn from_words(l: &LineageEntry) -> String {
     let (drawing, round) = (&l.drawing, l.round);
     let of = if l.so_far { "Best so far of a stopped search".to_owned() } else { format!("Round {round}") };
+    if let Some(point) = l.point {
+        return format!("{of}: {drawing} (point {point} accepted)");
+    }
     match l.candidate {
         Some(0) => format!("{of}: {drawing} (best layout accepted)"),
         Some(c) => format!("{of}: {drawing} (option {c} accepted)"),

@@ -1,8 +1,12 @@
 //! What building works would bring: the list that every round has, with its picture.
 
 use super::super::html::Html;
+use super::super::measure::{plain_name, trimmed};
+use super::super::options::told_measures;
+use super::super::result::RoundResult;
 use super::super::works::{WorkEntry, WorksResult};
-use super::Fitted;
+use super::cards::change;
+use super::{Fitted, wanted};
 
 /// Works that are listed, allowed and forbidden.
 const SHOWN: [usize; 2] = [5, 3];
@@ -25,6 +29,37 @@ pub(super) fn works(html: &mut Html, input: &Fitted<'_>) {
     html.picture(png, "sheet", "Each wall in the colour of the best opening in it");
     html.element("figcaption", &[], "Each wall in the colour of the best opening in it; grey: not allowed.");
     html.raw("</figure>\n</div>\n</section>\n");
+}
+
+/// What works together bring for what they cost: a row a point.
+pub(super) fn front(html: &mut Html, result: &RoundResult) {
+    if result.front.len() < 2 {
+        return;
+    }
+    let keys = told_measures(result);
+    html.raw("<section>\n<h2>What more works bring</h2>\n<p class=\"note\">");
+    html.text("From the cheapest works to those that show most: of all that were counted, none brings as much for less wall. ");
+    let file = result.input.path.rsplit(['/', '\\']).next().unwrap_or_default();
+    let quote = if file.contains(char::is_whitespace) { "\"" } else { "" };
+    html.words(&format!("To take one: `enfilade accept {quote}{file}{quote} --point NUMBER`."));
+    html.raw("</p>\n<div class=\"scroll\"><table class=\"options\">\n<thead><tr>");
+    for heading in ["Point".into(), "Works".into()].into_iter().chain(keys.iter().map(|k| plain_name(k))) {
+        html.element("th", &[("scope", "col")], &heading);
+    }
+    html.element("th", &[("scope", "col")], "Wall").raw("</tr></thead>\n<tbody>\n");
+    for point in &result.front {
+        html.raw("<tr>").element("th", &[("scope", "row")], &point.point.to_string());
+        html.element("td", &[], &point.words);
+        for key in &keys {
+            html.raw("<td>");
+            if let (Some(from), Some(now)) = (result.initial.mean.get(key), point.mean.get(key)) {
+                change(html, (from, now), &point.gain, (key, wanted(result, key)));
+            }
+            html.raw("</td>");
+        }
+        html.raw("<td>").text(&trimmed(point.effort.length_m(), 1)).raw("\u{a0}m</td></tr>\n");
+    }
+    html.raw("</tbody>\n</table></div>\n</section>\n");
 }
 
 fn list(html: &mut Html, works: &WorksResult, of: &[&WorkEntry], tag: &'static str) {

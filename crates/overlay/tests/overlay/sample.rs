@@ -276,6 +276,7 @@ fn result() -> RoundResult {
         so_far: false,
         other_ruler: false,
         candidate,
+        point: None,
         mean: Numbers::of([
             ("degree", 51.2 * k),
             ("depth", 4.6 / k),
@@ -296,6 +297,7 @@ fn result() -> RoundResult {
     RoundResult {
         questions: Vec::new(),
         brief: Vec::new(),
+        front: Vec::new(),
         schema: RESULT_SCHEMA.to_owned(),
         version: "0.1.0".to_owned(),
         input: Input {

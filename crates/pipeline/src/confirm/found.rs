@@ -49,6 +49,14 @@ pub(crate) struct Found {
     pub(crate) archive: Vec<Vec<f64>>,
 }
 
+impl Found {
+    /// The parameters of all layouts that are shown, the best first.
+    pub(crate) fn layouts(&self) -> Vec<Vec<f64>> {
+        let best = self.best.iter().map(|b| &b.member);
+        best.chain(&self.members).map(|m| m.parameters.clone()).collect()
+    }
+}
+
 /// The best layout of all.
 pub(crate) struct FoundBest {
     pub(crate) member: enfilade_search::Member,

@@ -30,10 +30,10 @@ impl Experience {
         Self([Measure::Degree, Measure::MeanDepth].map(change))
     }
 
-    /// How alike two layouts are to the people in them: mean correlation of their maps, −1 to 1.
+    /// How alike two layouts are to the people in them: the larger correlation of their maps of sight and of steps, −1 to 1.
     pub(crate) fn likeness(&self, other: &Self) -> f64 {
         let both = self.0.iter().zip(&other.0).map(|(a, b)| correlation(a, b));
-        both.sum::<f64>() / self.0.len() as f64
+        both.fold(-1.0, f64::max)
     }
 }
 

@@ -62,12 +62,22 @@ impl Study {
         Ok(self.worth(seen, &pieces, &written))
     }
 
-    /// Measures other lines of walls than the drawn ones, over the cells of the study: of a plan in which works were made.
-    pub(crate) fn measure_walls(&self, segments: &[Segment]) -> Worth {
+    /// Measures other lines of walls than the drawn ones: of a plan in which works were made, and walls have moved besides.
+    /// Over the cells of the study that neither the present layout nor this one covers.
+    pub(crate) fn measure_built(&self, layout: &Layout, segments: &[Segment]) -> Worth {
         let base = &self.base;
         let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
-        let seen = self.seen_through(segments, &|scene| blind(base, &identity, &scene.cells, segments));
-        let mut worth = self.worth(seen, &self.pieces.drawn, &identity);
+        let covered = |scene: &Scene| {
+            let mut all = blind(base, layout, &scene.cells, segments);
+            if *layout != identity {
+                all.extend(blind(base, &identity, &scene.cells, &[]));
+                all.sort_unstable();
+                all.dedup();
+            }
+            all
+        };
+        let seen = self.seen_through(segments, &covered);
+        let mut worth = self.worth(seen, &self.pieces.placed(base, layout), layout);
         let length_m = |of: &[Segment]| -> f64 {
             let one = |s: &Segment| ((s.b[0] - s.a[0]) as f64).hypot((s.b[1] - s.a[1]) as f64);
             of.iter().map(one).sum::<f64>() / UM_PER_M

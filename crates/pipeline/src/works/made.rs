@@ -1,5 +1,7 @@
 //! Works of the list made real: written, read again, measured from scratch.
 
+use std::collections::BTreeSet;
+
 use super::edits::{Written, beside, written};
 use super::{Floor, listed};
 use crate::analyse::measure;
@@ -7,11 +9,15 @@ use crate::job::{Input, Job};
 use crate::measure::parts::stopping;
 use crate::measure::study::Study;
 use crate::read;
+use crate::understand::edits::{edits_of, tied};
 use crate::understand::understood;
+use crate::understand::understood::Understood;
+use enfilade_cad::drawing::Edit;
 use enfilade_config::{Settings, WorkTable};
 use enfilade_engine::Obstacles;
 use enfilade_engine::geometry::Segment;
 use enfilade_engine::visibility::visibility_graph;
+use enfilade_moves::Layout;
 use enfilade_overlay::built::OptionWork;
 use enfilade_overlay::works::LEAST_SHOWN;
 use enfilade_plan::view_box;
@@ -68,25 +74,27 @@ pub fn make_works(
             report.warn("work-forbidden", Place::file(input.file()), text);
         }
     }
-    let made = Together::make(Job { input, settings }, (&study, &floor), &works)?;
+    let still = Moved::none(&study.base);
+    let made = Together::make(Job { input, settings }, (&study, &floor), &works, &still)?;
     report.extend(made.report.clone());
-    // Over the cells of the layout before.
-    let sights = |segments: &[Segment]| {
-        let obstacles = Obstacles { segments: segments.to_vec(), blind: floor.obstacles.blind.clone() };
-        degrees(&study.lattice, &visibility_graph(&study.lattice, &obstacles)) as f64
-    };
-    let before = sights(&floor.obstacles.segments).max(1.0);
-    let [expected, gain] = [&made.meant, &made.lines].map(|segments| sights(segments) / before - 1.0);
-    if (gain - expected).abs() >= LEAST_SHOWN {
-        let text = format!(
-            "The program reads the new drawing differently also where nothing changed: visibility {:+.1} %, \
-             expected {:+.1} %. Compare `check` of both.",
-            100.0 * gain,
-            100.0 * expected
-        );
+    let [expected, gain] = made.gains((&study, &floor));
+    if let Some(text) = differs([expected, gain]) {
+        let text = format!("{text} Compare `check` of both.");
         report.warn("work-differs", Place::file(input.file()), text);
     }
     Ok(MadeWorks { bytes: made.bytes, tables: made.written.tables, expected, gain, report })
+}
+
+/// Said where a drawing is read otherwise than meant.
+fn differs([expected, gain]: [f64; 2]) -> Option<String> {
+    ((gain - expected).abs() >= LEAST_SHOWN).then(|| {
+        format!(
+            "The program reads the new drawing differently also where nothing changed: visibility {:+.1} %, \
+             expected {:+.1} %.",
+            100.0 * gain,
+            100.0 * expected
+        )
+    })
 }
 
 /// Whether two works change the same stretch of one wall.
@@ -95,6 +103,44 @@ fn overlap(a: &Work, b: &Work) -> bool {
     let along = (q - p).normalize_or_zero();
     let [s, e] = b.stretch.map(|x| (x - p).dot(along));
     a.walls.iter().any(|w| b.walls.contains(w)) && s.min(e) < p.distance(q) && s.max(e) > 0.0
+}
+
+/// What moves where works are made.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Moved {
+    /// Of the moves of the drawing.
+    pub(crate) parameters: Vec<f64>,
+    /// What they make of it.
+    pub(crate) layout: Layout,
+}
+
+impl Moved {
+    /// Moves of a drawing.
+    pub(crate) fn new(base: &Understood, parameters: Vec<f64>) -> Self {
+        Self { layout: base.moves.apply(&base.plan, &base.graph, &parameters), parameters }
+    }
+
+    /// As drawn.
+    pub(crate) fn none(base: &Understood) -> Self {
+        Self::new(base, base.moves.identity())
+    }
+
+    /// Whether anything stands elsewhere.
+    pub(crate) fn is_any(&self) -> bool {
+        self.layout.walls.iter().any(|w| w.is_changed)
+    }
+
+    /// The changes of the file.
+    ///
+    /// # Errors
+    /// As [`tied`].
+    fn edits(&self, job: Job<'_>, base: &Understood) -> Result<Vec<Edit>, Error> {
+        let mut edits = edits_of(base, &self.layout);
+        if !edits.is_empty() {
+            edits.extend(tied(job, base, &edits)?.following.into_iter().map(|f| f.edit));
+        }
+        Ok(edits)
+    }
 }
 
 /// Works made in one drawing, which was read again.
@@ -120,12 +166,19 @@ impl Together {
         Job { input, settings }: Job<'_>,
         (study, floor): (&Study, &Floor),
         works: &[(usize, &Work)],
+        moved: &Moved,
     ) -> Result<Self, Error> {
         let mut report = Report::default();
         let written = together((input, settings), (study, floor), works, &mut report)?;
         let options = read::read_options(settings);
-        let bytes =
-            enfilade_cad::patch(input.file(), &input.bytes, &options, &written.edits, &written.additions)?;
+        let mut edits = moved.edits(Job { input, settings }, &study.base)?;
+        let shifted: BTreeSet<usize> = edits.iter().map(Edit::record).collect();
+        if written.edits.iter().any(|e| shifted.contains(&e.record())) {
+            let text = "what works change would move as well; nothing was written".to_owned();
+            return Err(Error::usage("work", Place::file(input.file()), text));
+        }
+        edits.extend(written.edits.iter().cloned());
+        let bytes = enfilade_cad::patch(input.file(), &input.bytes, &options, &edits, &written.additions)?;
         let settings =
             Settings { works: [&settings.works[..], &written.tables].concat(), ..settings.clone() };
         let own = Input::new(input.path, &bytes, input.round);
@@ -135,17 +188,30 @@ impl Together {
         let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
         let lines = stopping(&base, &identity);
         drop(own);
-        let drawn = floor.obstacles.segments.clone();
+        let drawn = stopping(&study.base, &moved.layout);
         let meant = works.iter().fold(drawn, |segments, (_, work)| work.change.apply(&segments));
         Ok(Self { written, bytes, meant, lines, report })
+    }
+}
+
+impl Together {
+    /// Gains in sight over the cells of the layout before: of what is meant, and of the file read again.
+    fn gains(&self, (study, floor): (&Study, &Floor)) -> [f64; 2] {
+        let sights = |segments: &[Segment]| {
+            let obstacles = Obstacles { segments: segments.to_vec(), blind: floor.obstacles.blind.clone() };
+            degrees(&study.lattice, &visibility_graph(&study.lattice, &obstacles)) as f64
+        };
+        let before = sights(&floor.obstacles.segments).max(1.0);
+        [&self.meant, &self.lines].map(|segments| sights(segments) / before - 1.0)
     }
 }
 
 /// The drawing with the works of an option, which the list of the same drawing has too.
 ///
 /// # Errors
-/// [`Error::Input`] where the list has one of them no longer; as [`Together::make`].
-pub(crate) fn of_option(job: Job<'_>, wanted: &[OptionWork]) -> Result<Together, Error> {
+/// [`Error::Input`] where the list has one of them no longer, and where the new drawing is read otherwise than meant; as
+/// [`Together::make`].
+pub(crate) fn of_option(job: Job<'_>, wanted: &[OptionWork], parameters: &[f64]) -> Result<Together, Error> {
     let Job { input, settings } = job;
     let cancel = Cancel::default();
     let (study, _) = measure(input, settings, None, &mut || {}, &cancel)?;
@@ -169,7 +235,15 @@ pub(crate) fn of_option(job: Job<'_>, wanted: &[OptionWork]) -> Result<Together,
         })
     });
     let works = works.collect::<Result<Vec<_>, _>>()?;
-    Together::make(job, (&study, &floor), &works)
+    let made = Together::make(job, (&study, &floor), &works, &Moved::new(&study.base, parameters.to_vec()))?;
+    match differs(made.gains((&study, &floor))) {
+        Some(text) => {
+            let text =
+                format!("{text} Nothing was written; `enfilade works` makes its works one after the other.");
+            Err(Error::input("work-differs", Place::file(input.file()), text))
+        }
+        None => Ok(made),
+    }
 }
 
 /// Ends of a stretch are written in whole millimetres: nearer ones are the same, metres.

@@ -3,8 +3,9 @@
 use glam::DVec2;
 
 use super::edits::{built_axis, outlines, thickness_m};
+use super::made::Moved;
 use crate::understand::understood::Understood;
-use crate::write::show;
+use crate::write::traces;
 use enfilade_engine::geometry::Segment;
 use enfilade_overlay::picture::{PlanPicture, Stroke, StrokeKind};
 use enfilade_works::change::Quad;
@@ -30,9 +31,9 @@ pub(super) fn strokes(base: &Understood, walls: &[Wall], works: &[&Work]) -> Vec
     works.iter().flat_map(of).collect()
 }
 
-/// The plan with works.
-pub(super) fn picture(base: &Understood, walls: &[Wall], works: &[&Work]) -> PlanPicture {
-    let mut out = show::picture(base);
+/// The plan with works, and with what moves beside them.
+pub(super) fn picture(base: &Understood, walls: &[Wall], works: &[&Work], moved: &Moved) -> PlanPicture {
+    let mut out = traces::moved_picture(base, &moved.layout);
     let gone: Vec<Quad> = works.iter().flat_map(|w| w.change.demolished.iter().copied()).collect();
     let change = Change { demolished: gone, built: Vec::new() };
     let drawn = std::mem::take(&mut out.strokes);

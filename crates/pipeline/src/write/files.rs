@@ -148,7 +148,11 @@ pub(crate) fn drawings(
                 let mut lines = vec![format!("{} of {}", sentence_case(&m.title()), input.file())];
                 let gains = gains_words(study, &result.initial.mean, mean, gain);
                 lines.extend(match &m.built {
-                    Some(built) => built.note_lines(&gains),
+                    Some(built) => {
+                        let moves = by_north(&result.moves, result.input.north_deg);
+                        let moved = Some(built.moves_words(&moves)).filter(|w| !w.is_empty());
+                        built.note_lines(&gains).into_iter().chain(moved).collect()
+                    }
                     None => note_lines(
                         &by_north(&result.moves, result.input.north_deg),
                         &m.member.parameters,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::measure::worth::Worth;
-use crate::works::options::BuildingOption;
+use crate::works::option::BuildingOption;
 use enfilade_cad::drawing::Edit;
 use enfilade_moves::Layout;
 use enfilade_overlay::brief_item::BriefItem;

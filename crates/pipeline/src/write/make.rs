@@ -6,14 +6,15 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::confirm::found::Found;
+use crate::confirm::ideas::{Experience, SAME_MAPS};
 use crate::job::Job;
 use crate::measure::study::Study;
 use crate::read;
 use crate::search::judged::pinned;
 use crate::understand::edits::{edits_of, tied};
 use crate::understand::understood::Understood;
-use crate::works::Offer;
-use crate::works::options::{BuildingOption, wanted};
+use crate::works::{Moved, Offer};
+use crate::works::{option::BuildingOption, options::wanted};
 use crate::write::made::Made;
 use crate::write::{along, bounded};
 use enfilade_cad::drawing::{Edit, place_in};
@@ -31,24 +32,11 @@ pub(crate) fn make(
 ) -> Result<Made, Error> {
     let Job { input, settings } = job;
     let layout = study.base.moves.apply(&study.base.plan, &study.base.graph, &member.parameters);
+    let Shifted { edits, following, changed, host_ids, mut report } = shifted(job, study, &layout)?;
     let options = read::read_options(settings);
-    let mut edits = edits_of(&study.base, &layout);
-    let tied = tied(job, &study.base, &edits)?;
-    edits.extend(tied.following.iter().map(|f| f.edit.clone()));
-    let changed = enfilade_cad::changes(input.file(), &input.bytes, &options, &edits)?;
     let bytes = enfilade_cad::patch(input.file(), &input.bytes, &options, &edits, &[])?;
     let worth = study.measure_written(&bytes, &layout, settings)?;
     let name = name.to_owned();
-    let mut report = Report::default();
-    let records: Vec<usize> = edits.iter().map(Edit::record).collect();
-    let unseen = changed.records.iter().flatten().filter(|c| c.outlines.is_some()).map(|c| c.of.record);
-    let rooms = changed.rooms.iter().map(|r| r.id as usize);
-    let named: Vec<usize> = records.iter().copied().chain(unseen).chain(rooms).collect();
-    let ids = enfilade_cad::host_ids(input.file(), &input.bytes, &named);
-    let host_ids = named.iter().zip(ids).filter_map(|(r, id)| Some((*r as u64, id?))).collect();
-    along::say_stale(&mut report, input.file(), &tied.stale);
-    bounded::say(&mut report, input.file(), &changed);
-    state_left_behind(&study.base, &layout, &mut report);
     let searched = study.measure(&member.parameters, &mut study.bench());
     let differs = worth.differences(&searched);
     if !differs.is_empty() {
@@ -60,7 +48,6 @@ pub(crate) fn make(
         );
         report.warn("written-differs", Place::file(input.file()), text);
     }
-    let following = tied.following;
     Ok(Made {
         layout,
         member: member.clone(),
@@ -76,6 +63,35 @@ pub(crate) fn make(
         brief: Vec::new(),
         built: None,
     })
+}
+
+/// What a layout changes of a file.
+#[derive(Default)]
+struct Shifted {
+    edits: Vec<Edit>,
+    following: Vec<enfilade_cad::dxf::Following>,
+    changed: enfilade_cad::Changes,
+    host_ids: BTreeMap<u64, String>,
+    report: Report,
+}
+
+fn shifted(job: Job<'_>, study: &Study, layout: &Layout) -> Result<Shifted, Error> {
+    let Job { input, settings } = job;
+    let mut edits = edits_of(&study.base, layout);
+    let tied = tied(job, &study.base, &edits)?;
+    edits.extend(tied.following.iter().map(|f| f.edit.clone()));
+    let changed = enfilade_cad::changes(input.file(), &input.bytes, &read::read_options(settings), &edits)?;
+    let mut report = Report::default();
+    let records: Vec<usize> = edits.iter().map(Edit::record).collect();
+    let unseen = changed.records.iter().flatten().filter(|c| c.outlines.is_some()).map(|c| c.of.record);
+    let rooms = changed.rooms.iter().map(|r| r.id as usize);
+    let named: Vec<usize> = records.iter().copied().chain(unseen).chain(rooms).collect();
+    let ids = enfilade_cad::host_ids(input.file(), &input.bytes, &named);
+    let host_ids = named.iter().zip(ids).filter_map(|(r, id)| Some((*r as u64, id?))).collect();
+    along::say_stale(&mut report, input.file(), &tied.stale);
+    bounded::say(&mut report, input.file(), &changed);
+    state_left_behind(&study.base, layout, &mut report);
+    Ok(Shifted { edits, following: tied.following, changed, host_ids, report })
 }
 
 /// An option of a round before it is made.
@@ -97,6 +113,24 @@ impl Choice<'_> {
         objectives.iter().map(of).sum()
     }
 
+    fn builds(&self) -> bool {
+        matches!(self, Self::Building(_))
+    }
+
+    fn is_least(&self) -> bool {
+        matches!(self, Self::Building(option) if option.is_least)
+    }
+
+    /// What people experience in it.
+    fn experience(&self, study: &Study) -> Experience {
+        match self {
+            Self::Layout(found, i) => {
+                Experience::of(study, &study.measure(&found.members[*i].parameters, &mut study.bench()))
+            }
+            Self::Building(option) => Experience::of(study, &option.worth),
+        }
+    }
+
     fn make(&self, job: Job<'_>, study: &Study, name: &str) -> Result<Made, Error> {
         match self {
             Self::Layout(found, i) => {
@@ -104,7 +138,7 @@ impl Choice<'_> {
                 let explanation = found.explanations.get(*i).cloned().unwrap_or_default();
                 Ok(Made { explanation, gains: found.gains.get(*i).cloned().unwrap_or_default(), ..made })
             }
-            Self::Building(option) => Ok(building(study, name, option)),
+            Self::Building(option) => building(job, study, name, option),
         }
     }
 }
@@ -125,15 +159,17 @@ pub(crate) fn options(
     if let Some(offer) = offer.filter(|o| !o.options.is_empty()) {
         let mut free = all.split_off(pinned(settings).min(all.len()));
         let room = wanted(settings).saturating_sub(all.len());
-        // The best layout of the search is an idea of its own, whatever a wall less would bring, if there is room for two.
-        let first = (room > 1 && !free.is_empty()).then(|| free.remove(0));
         free.extend(offer.options.iter().map(Choice::Building));
         let by_gain = |a: &Choice<'_>, b: &Choice<'_>| {
             b.total(&offer.objectives).total_cmp(&a.total(&offer.objectives))
         };
         free.sort_by(by_gain);
-        free.truncate(room.saturating_sub(usize::from(first.is_some())));
-        free.extend(first);
+        // Nor does the least change stand back for what brings more.
+        if let Some(least) = free.iter().position(Choice::is_least) {
+            let least = free.remove(least);
+            free.insert(1.min(free.len()), least);
+        }
+        let mut free = apart(study, free, room);
         free.sort_by(by_gain);
         all.extend(free);
     }
@@ -141,12 +177,40 @@ pub(crate) fn options(
     all.par_iter().enumerate().map(one).collect()
 }
 
+/// The first that differ, at most so many. The best layout of the search is an idea of its own, whatever a wall less would
+/// bring: it has the last place, if there is room for two.
+fn apart<'a>(study: &Study, all: Vec<Choice<'a>>, room: usize) -> Vec<Choice<'a>> {
+    let mut taken: Vec<(Choice<'a>, Experience)> = Vec::new();
+    let mut moving = None;
+    for choice in all {
+        let experience = choice.experience(study);
+        let is_alike = |t: &(Choice<'a>, Experience)| {
+            t.0.builds() != choice.builds() && t.1.likeness(&experience) > SAME_MAPS
+        };
+        if taken.iter().any(is_alike) {
+            continue;
+        }
+        if taken.len() < room {
+            taken.push((choice, experience));
+        } else if moving.is_none() && !choice.builds() {
+            moving = Some((choice, experience));
+        }
+    }
+    if let Some(moving) = moving.filter(|_| room > 1 && taken.iter().all(|t| t.0.builds())) {
+        taken.pop();
+        taken.push(moving);
+    }
+    taken.into_iter().map(|t| t.0).collect()
+}
+
 /// An option that builds, made already.
-fn building(study: &Study, name: &str, option: &Arc<BuildingOption>) -> Made {
-    let moves = &study.base.moves;
-    let parameters = moves.identity();
-    Made {
-        layout: moves.apply(&study.base.plan, &study.base.graph, &parameters),
+fn building(job: Job<'_>, study: &Study, name: &str, option: &Arc<BuildingOption>) -> Result<Made, Error> {
+    let Moved { parameters, layout } = option.moved.clone();
+    let shifted = if option.moved.is_any() { shifted(job, study, &layout)? } else { Shifted::default() };
+    let Shifted { edits, following, changed, host_ids, mut report } = shifted;
+    report.extend(option.report.clone());
+    Ok(Made {
+        layout,
         member: enfilade_search::Member {
             parameters,
             values: option.values.clone(),
@@ -154,17 +218,17 @@ fn building(study: &Study, name: &str, option: &Arc<BuildingOption>) -> Made {
             within_threshold: option.is_within,
         },
         worth: option.worth.clone(),
-        edits: Vec::new(),
-        following: Vec::new(),
-        changed: enfilade_cad::Changes::default(),
-        host_ids: BTreeMap::new(),
-        report: option.report.clone(),
+        edits,
+        following,
+        changed,
+        host_ids,
+        report,
         name: name.to_owned(),
         explanation: Explanation::default(),
         gains: option.gains.clone(),
         brief: Vec::new(),
         built: Some(Arc::clone(option)),
-    }
+    })
 }
 
 /// Doors and windows that cannot go with their wall.

@@ -72,6 +72,7 @@ pub(crate) fn round_result(
         problems: report.problems.iter().map(Into::into).collect(),
         questions: Vec::new(),
         brief: round.brief.clone(),
+        front: offer.map_or(Vec::new(), |o| o.front.clone()),
     }
 }
 
@@ -95,7 +96,10 @@ pub(crate) fn candidate(round: &Round<'_>, moves: &[MoveEntry], initial: &Number
         file: format!("{}.{}", made.name, study.base.plan.format.name()),
         parameters: made.member.parameters.clone(),
         words: match &made.built {
-            Some(built) => built.words(&told),
+            Some(built) => {
+                let moves = built.moves_words(&words::by_north(moves, study.base.plan.north_deg));
+                if moves.is_empty() { built.words(&told) } else { format!("{} {moves}.", built.words(&told)) }
+            }
             None => words::words(
                 &words::by_north(moves, study.base.plan.north_deg),
                 &made.member.parameters,
@@ -147,6 +151,7 @@ pub(crate) fn lineage(settings: &Settings, ruler: &str) -> Vec<LineageEntry> {
         so_far: entry.so_far,
         other_ruler: !entry.ruler.is_empty() && entry.ruler != ruler,
         candidate: Some(u64::from(entry.candidate)),
+        point: entry.point.map(u64::from),
         mean: Numbers::of(entry.initial.iter().map(|(k, v)| (k.clone(), *v))),
         score: None,
     };

@@ -8,10 +8,10 @@ use enfilade_fixtures::sample;
 use enfilade_overlay::built::titles;
 use enfilade_overlay::result::{Candidate, RoundResult};
 use enfilade_overlay::works::{WorkEntry, WorksResult};
-use enfilade_pipeline::accept::{Accepted, Origin, accept};
+use enfilade_pipeline::accept::{Accepted, Chosen, Origin, accept};
 use enfilade_pipeline::works::works_of;
 use enfilade_pipeline::{Input, Outcome, analyse, run};
-use enfilade_report::Cancel;
+use enfilade_report::{Cancel, Error, OutFile};
 
 /// Works need no long search.
 const FEW: &str = "evaluations = 30\nseed = 1\n";
@@ -31,9 +31,13 @@ fn building(result: &RoundResult) -> Vec<(usize, &Candidate)> {
     (1..).zip(&result.candidates).filter(|(_, c)| !c.works.is_empty()).collect()
 }
 
-fn taken(file: &str, bytes: &[u8], result: &RoundResult, number: usize) -> Accepted {
+fn chosen(file: &str, bytes: &[u8], result: &RoundResult, what: Chosen) -> Result<Accepted, Error> {
     let origin = Origin { round: 1, is_so_far: false };
-    accept(&Input::new(file, bytes, 1), Beside::default(), result, origin, number).unwrap()
+    accept(&Input::new(file, bytes, 1), Beside::default(), result, origin, what)
+}
+
+fn taken(file: &str, bytes: &[u8], result: &RoundResult, number: usize) -> Accepted {
+    chosen(file, bytes, result, Chosen::numbered(number)).unwrap()
 }
 
 /// Mean visibility of a drawing with its side-car.
@@ -65,6 +69,10 @@ fn claims_hold(file: &str) {
 /// The file of each option with the side-car beside it measures what the round says of it, to the last digit.
 fn repeats(file: &str) {
     let (_, Outcome { result, files, .. }) = of_sample(file);
+    repeats_in(&result, &files, file);
+}
+
+fn repeats_in(result: &RoundResult, files: &[OutFile], file: &str) {
     let named = |name: String| files.iter().find(|f| f.path.ends_with(&name)).unwrap();
     let ending = file.rsplit_once('.').unwrap().1;
     let best = result.best.iter().map(|b| ("best".to_owned(), &b.mean));
@@ -97,6 +105,66 @@ fn what_a_building_gains_by_works_is_measured_again() {
 #[test]
 fn what_a_scene_gains_by_works_is_measured_again() {
     claims_hold("flat.glb");
+}
+
+/// Each point brings more than the one before for more wall, keeps the budget, and is a drawing that measures as promised.
+#[test]
+fn points_of_the_front_can_be_taken() {
+    let (bytes, Outcome { result, .. }) = of_sample("flat.dxf");
+    let front = &result.front;
+    assert!(front.len() > 2, "{front:?}");
+    assert!(front.iter().enumerate().all(|(i, p)| p.point == i + 1 && p.works.len() <= 3));
+    assert!(front.is_sorted_by(|a, b| a.effort.length_m() < b.effort.length_m()), "{front:?}");
+    assert!(front.is_sorted_by(|a, b| a.gain["degree"].share < b.gain["degree"].share), "{front:?}");
+    let now = sight("flat.dxf", &bytes, "");
+    for point in [&front[0], &front[front.len() - 1]] {
+        let new = chosen("flat.dxf", &bytes, &result, Chosen::Point(point.point)).unwrap();
+        assert!(new.side_car.contains(&format!("point = {}", point.point)), "{}", new.side_car);
+        let gain = sight("flat.dxf", &new.drawing, &new.side_car) / now - 1.0;
+        let claim = point.gain["degree"];
+        assert!((claim.low - ELSEWHERE..=claim.high + ELSEWHERE).contains(&gain), "{gain}, {claim:?}");
+    }
+    let beyond = chosen("flat.dxf", &bytes, &result, Chosen::Point(front.len() + 1)).unwrap_err().to_string();
+    assert!(beyond.contains(&format!("has points 1 to {}", front.len())), "{beyond}");
+    let small = round("flat.dxf", &bytes, "budget = \"1 m\"\n").result.front;
+    assert!(small.iter().all(|p| p.effort.length_m() <= 1.0), "{small:?}");
+}
+
+/// Moves of the search go with works where they bring their share; the file has both, and so has the accepted drawing.
+#[test]
+fn works_and_moves_go_together() {
+    let bytes = std::fs::read(sample("flat.ifc")).unwrap();
+    let text = "evaluations = 120\nseed = 1\nbudget = \"1 m\"\n";
+    let settings = Settings::new(Partial::from_toml("", text).unwrap()).unwrap();
+    let input = Input::new("flat.ifc", &bytes, 1);
+    let Outcome { result, files, .. } =
+        run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default()).unwrap();
+    let still: Vec<f64> = result.moves.iter().map(|m| m.kind.identity()).collect();
+    let both = building(&result).into_iter().find(|(_, c)| c.parameters != still);
+    let (number, option) = both.expect("an option that builds and moves");
+    let moved = option.parameters.iter().zip(&still).filter(|(p, s)| p != s).count();
+    assert!((1..=5).contains(&moved) && !option.changes.is_empty(), "{option:?}");
+    assert!(option.works.iter().map(|w| w.effort.length_m()).sum::<f64>() <= 1.0, "{option:?}");
+    let alone = result.front.iter().find(|p| p.works == option.works).expect("its works as a point");
+    let [with, without] = [&option.gain, &alone.gain].map(|g| g["degree"].share);
+    assert!(with > without, "{with} {without}");
+    let now = sight("flat.ifc", &bytes, "");
+    let new = taken("flat.ifc", &bytes, &result, number);
+    let gain = sight("flat.ifc", &new.drawing, &new.side_car) / now - 1.0;
+    let claim = option.gain["degree"];
+    assert!((claim.low - ELSEWHERE..=claim.high + ELSEWHERE).contains(&gain), "{gain}, {claim:?}");
+    repeats_in(&result, &files, "flat.ifc");
+}
+
+/// An option has at most three works, each of which brings its share; no two options look alike but the least change.
+#[test]
+fn sets_of_works_are_few_and_differ() {
+    let (_, Outcome { result, .. }) = of_sample("small-office.dxf");
+    let sets: Vec<usize> = building(&result).iter().map(|(_, c)| c.works.len()).collect();
+    assert!(sets.iter().all(|n| (1..=3).contains(n)) && sets.iter().any(|n| *n > 1), "{sets:?}");
+    let least =
+        building(&result).iter().filter(|(_, c)| c.words.contains("No cheaper works bring half")).count();
+    assert!(least <= 1, "{:?}", result.candidates);
 }
 
 /// The list of the round has every work of its options as allowed; the options stand in the order of what they gain.

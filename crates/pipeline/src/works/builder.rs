@@ -1,0 +1,251 @@
+//! Finds sets of works, measures them, and makes options of them.
+
+use super::edits::{built_axis, filling, outlines, thickness_m};
+use super::made::{Moved, Together};
+use super::option::{BuildingOption, Judges};
+use super::sets::{BEST, Counted, MOST, Sets, front, paying};
+use super::{Floor, Listed, shown};
+use crate::confirm::confirmed;
+use crate::confirm::ideas::Experience;
+use crate::confirm::refined::STRIPPED;
+use crate::job::Job;
+use crate::measure::parts::stopping;
+use crate::search::judged::{evaluation, gained, is_firm};
+use crate::write::{show, traces};
+use enfilade_cad::drawing::Filling;
+use enfilade_engine::geometry::Segment;
+use enfilade_overlay::built::{BuiltWall, Effort, OptionWork, titles};
+use enfilade_overlay::result::FrontPoint;
+use enfilade_overlay::result::{Gains, Numbers};
+use enfilade_overlay::works::{LEAST_SHOWN, WorkEntry};
+use enfilade_report::{Cancel, Error, Place, Report};
+use enfilade_works::Work;
+use glam::DVec2;
+use rayon::prelude::*;
+
+/// Single works that are measured in all that is asked for, the best of each pair of rooms: for speed alone.
+const SINGLES: usize = 12;
+/// Sets of two and of three that are, the best: for speed alone.
+const TOGETHER: usize = 5;
+/// What the least change brings of the gain of the best set: half of it.
+const LEAST_CHANGE: f64 = 0.5;
+/// Points of the front of gain against effort.
+const POINTS: usize = 8;
+/// From one point to the next at least this share of the most is gained: a smaller step is none that somebody would pay for.
+const POINT_STEP: f64 = 0.05;
+
+/// Works that are made together, with what is known of them on the lattice shown.
+#[derive(Clone)]
+pub(super) struct Set {
+    /// Places in the list, ascending.
+    pub(super) works: Vec<usize>,
+    pub(super) effort_m: f64,
+    pub(super) moved: Moved,
+    pub(super) lines: Vec<Segment>,
+    pub(super) gain: f64,
+    pub(super) mean: Numbers,
+    /// Mean degree with it.
+    pub(super) degree: f64,
+    /// Whether it keeps the limits.
+    pub(super) is_legal: bool,
+    /// Whether it is the least that brings half of what the best does.
+    pub(super) is_least: bool,
+    pub(super) experience: Experience,
+}
+
+/// Metres to whole millimetres, never −0.
+fn whole_mm(v: f64) -> f64 {
+    (v * 1e3).round() / 1e3 + 0.0
+}
+
+/// Finds sets of works.
+pub(super) struct Builder<'a> {
+    pub(super) job: Job<'a>,
+    pub(super) judges: Judges<'a>,
+    pub(super) listed: &'a Listed,
+    /// The layouts that the search found, the best first.
+    pub(super) layouts: &'a [Vec<f64>],
+}
+
+impl<'a> Builder<'a> {
+    pub(super) fn floor(&self) -> &'a Floor {
+        &self.listed.floor
+    }
+
+    pub(super) fn work(&self, place: usize) -> &Work {
+        &self.listed.found[place]
+    }
+
+    /// Whether the budget holds a work alone.
+    fn is_within_budget(&self, entry: &WorkEntry) -> bool {
+        self.job.settings.budget.holds(1, entry.effort.length_m())
+    }
+
+    /// What sets gain, each confirmed.
+    pub(super) fn gains(&self, sets: &[Set]) -> Vec<Gains> {
+        let Judges { study, objectives, .. } = self.judges;
+        confirmed::gains_of(study, self.job.settings, objectives, sets.len(), &|on| {
+            sets.par_iter().map(|s| on.measure_built(&s.moved.layout, &s.lines)).collect()
+        })
+    }
+
+    pub(super) fn is_sure(&self, gains: &Gains) -> bool {
+        confirmed::is_confirmed(self.judges.objectives, gains, self.job.settings.least_gain)
+    }
+
+    /// Says what costs more than the budget holds.
+    pub(super) fn say_budget(&self, report: &mut Report) {
+        let dear = |e: &WorkEntry| e.is_allowed && !self.is_within_budget(e);
+        let count = self.listed.result.works.iter().filter(|e| dear(e)).count();
+        let result = &self.listed.result;
+        let Some(best) = result.different_of(1, dear).first().map(|e| result.line(e)) else { return };
+        let text = format!(
+            "Works that cost more than `--budget \"{}\"`: {count}. The best of them: {best}.",
+            self.job.settings.budget
+        );
+        report.info("works-budget", Place::file(self.job.input.file()), text);
+    }
+
+    /// Sets in the order in which they are options: the one that gains most, the least change that brings half, all others by
+    /// what they gain. And the front of gain against effort.
+    pub(super) fn sets(&self, cancel: &Cancel) -> Result<(Vec<Set>, Vec<Set>), Error> {
+        let may = |e: &WorkEntry| e.is_allowed && self.is_within_budget(e);
+        let result = &self.listed.result;
+        let places = |of: Vec<&WorkEntry>| of.iter().map(|e| e.id - 1).collect::<Vec<_>>();
+        let among = places(result.different_of(BEST, may));
+        let site = self.floor().site(self.judges.study);
+        let sets = Sets { site: &site, works: &self.listed.found, budget: self.job.settings.budget };
+        let counted = paying(sets.all(&among, cancel)?, STRIPPED);
+        let all = [counted.clone(), sets.singles(&places(result.gaining(may)))].concat();
+        let quiet: Vec<Counted> = all.iter().filter(|s| !s.shows).cloned().collect();
+        let points = front(if quiet.is_empty() { &all } else { &quiet }, POINT_STEP, POINTS);
+        let best = |count: usize| {
+            let of = counted.iter().filter(move |s| s.works.len() == count);
+            of.filter(|s| !sets.show_more_together(&s.works)).take(TOGETHER)
+        };
+        let alone = counted.iter().filter(|s| s.works.len() == 1).take(SINGLES);
+        let several: Vec<Counted> = (2..=MOST).flat_map(best).chain(alone).cloned().collect();
+        cancel.check()?;
+        let mut sets_found = self.measured(several);
+        cancel.check()?;
+        let points = points.into_iter().filter(|s| !sets.show_more_together(&s.works)).collect();
+        let mut points = self.measured(points);
+        points.sort_by(|a, b| a.effort_m.total_cmp(&b.effort_m));
+        if let Some(more) = self.with_moves(&sets_found, cancel)? {
+            sets_found.insert(0, more);
+        }
+        if let Some(best) = sets_found.iter().find(|s| s.is_legal) {
+            let brings_half = |s: &&Set| s.is_legal && s.gain >= LEAST_CHANGE * best.gain;
+            let least = points.iter().find(brings_half).filter(|s| s.effort_m < best.effort_m);
+            let least = least.map(|s| Set { is_least: true, ..s.clone() });
+            let behind = sets_found.iter().position(|s| s.is_legal).map_or(0, |i| i + 1);
+            sets_found.splice(behind..behind, least);
+        }
+        Ok((sets_found, points))
+    }
+
+    /// Sets with what they gain, those that gain most first.
+    fn measured(&self, sets: Vec<Counted>) -> Vec<Set> {
+        let study = self.judges.study;
+        let still = Moved::none(&study.base);
+        let one = |set: Counted| self.set(set.works, set.effort_m, still.clone());
+        let found: Vec<Set> = sets.into_par_iter().map(one).collect();
+        let mut out: Vec<Set> = found.into_iter().filter(|s| s.gain > 0.0).collect();
+        // What shows more of a private room, if only through its open door, comes last.
+        let shows = |s: &Set| s.works.iter().any(|w| self.work(*w).shows_through_doors);
+        out.sort_by(|a, b| shows(a).cmp(&shows(b)).then_with(|| b.gain.total_cmp(&a.gain)));
+        out
+    }
+
+    /// Works, and what moves beside them, measured.
+    pub(super) fn set(&self, works: Vec<usize>, effort_m: f64, moved: Moved) -> Set {
+        let Self { job: Job { settings, .. }, judges: Judges { study, objectives, .. }, .. } = *self;
+        let drawn = stopping(&study.base, &moved.layout);
+        let lines = works.iter().fold(drawn, |lines, w| self.work(*w).change.apply(&lines));
+        let worth = study.measure_built(&moved.layout, &lines);
+        // A pair may keep a limit that neither of the two keeps alone.
+        let is_legal = evaluation(study, settings, objectives, &worth).violation == 0.0;
+        let gain = gained(study, settings, objectives, &worth);
+        let (degree, experience) = (worth.seen.means.degree, Experience::of(study, &worth));
+        let mean = show::mean_numbers(study, &worth);
+        Set { works, effort_m, moved, lines, gain, mean, degree, is_legal, is_least: false, experience }
+    }
+
+    /// A point of the front.
+    pub(super) fn point(&self, point: usize, set: &Set, gain: Gains) -> FrontPoint {
+        let works = self.told_all(set);
+        let effort = works.iter().fold(Effort::default(), |all, w| all.and(&w.effort));
+        let mean = set.mean.clone();
+        FrontPoint { point, words: titles(&works), gain, mean, effort, works }
+    }
+
+    fn told_all(&self, set: &Set) -> Vec<OptionWork> {
+        let told = |w: &usize| self.told(self.work(*w), &self.listed.result.works[*w]);
+        set.works.iter().map(told).collect()
+    }
+
+    /// The drawing with a set; `None` where it cannot be made, or reads otherwise than meant.
+    pub(super) fn make(&self, set: &Set, gains: Gains) -> Option<BuildingOption> {
+        let Self { job, judges: Judges { study, trial, told, objectives }, .. } = *self;
+        let works: Vec<(usize, &Work)> = set.works.iter().map(|w| (w + 1, self.work(*w))).collect();
+        let made = Together::make(job, (study, self.floor()), &works, &set.moved).ok()?;
+        let layout = &set.moved.layout;
+        let worth = study.measure_built(layout, &made.lines);
+        if (worth.seen.means.degree - set.degree).abs() > LEAST_SHOWN * study.initial.seen.means.degree {
+            return None;
+        }
+        let values =
+            evaluation(trial, job.settings, objectives, &trial.measure_built(layout, &made.lines)).values;
+        let (plain, walls) = (works.iter().map(|w| w.1).collect::<Vec<_>>(), &self.floor().walls);
+        let told_works = self.told_all(set);
+        Some(BuildingOption {
+            title: titles(&told_works),
+            effort: told_works.iter().fold(Effort::default(), |all, w| all.and(&w.effort)),
+            works: told_works,
+            is_least: set.is_least,
+            // Thresholds that yield are lowered to what options keep.
+            is_within: !is_firm(job.settings) || told.iter().zip(&values).all(|(o, v)| o.keeps(*v)),
+            values,
+            gains,
+            worth,
+            strokes: [shown::strokes(&study.base, walls, &plain), traces::of(&study.base, layout).now]
+                .concat(),
+            picture: shown::picture(&study.base, walls, &plain, &set.moved),
+            moved: set.moved.clone(),
+            shows_private: plain.iter().any(|w| w.shows_through_doors),
+            edits: made.written.edits,
+            additions: made.written.additions,
+            tables: made.written.tables,
+            report: made.report,
+        })
+    }
+
+    /// A work as `result.json` has it.
+    fn told(&self, work: &Work, entry: &WorkEntry) -> OptionWork {
+        let (base, walls) = (&self.judges.study.base, &self.floor().walls);
+        let at = |p: DVec2| base.plan.frame.drawing_m_from_plan(p).map(whole_mm);
+        let built = built_axis(base, work).map(|axis| BuiltWall {
+            ends: axis.map(at),
+            thickness_m: whole_mm(thickness_m(base, walls, work)),
+        });
+        let opening = work.opening.and_then(|k| base.axes.openings.get(k));
+        let filling = match filling(work) {
+            Filling::Door => "door",
+            Filling::Glass => "glass",
+            Filling::Nothing | Filling::Gone => "nothing",
+        };
+        OptionWork {
+            kind: entry.kind.clone(),
+            words: self.listed.result.title(entry),
+            stretch: entry.stretch,
+            width_m: entry.width_m,
+            rooms: entry.rooms,
+            elements: entry.wall.clone(),
+            effort: entry.effort,
+            demolished: outlines(base, walls, work).into_iter().map(|o| o.map(at)).collect(),
+            built: built.into_iter().collect(),
+            filling: filling.into(),
+            opening: opening.map(|o| o.jambs.map(|j| at(j.at * base.plan.human_scale))),
+        }
+    }
+}
