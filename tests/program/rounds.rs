@@ -79,7 +79,7 @@ fn a_pinned_option_that_breaks_what_is_asked_now_is_kept_and_named() {
 fn few_options_are_counted_as_they_are() {
     let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
     desk.run(1, &["--objective", "degree max 0.3"]);
-    let narrow = ["--pin", "1", "--pin", "2", "--evaluations", "5", "--objective", "depth max 0.99"];
+    let narrow = ["--pin", "1", "--pin", "2", "--evaluations", "5", "--objective", "depth min 0.99"];
     let result = json(&desk.run(2, &narrow).join("result.json"));
     let options = result["candidates"].as_array().unwrap();
     let inside = options.iter().skip(2).filter(|c| c["within_threshold"] == true).count();

@@ -100,7 +100,7 @@ impl BriefItem {
     }
 }
 
-fn sign(verdict: &str) -> &'static str {
+pub(super) fn sign(verdict: &str) -> &'static str {
     VERDICTS.iter().find(|v| v.0 == verdict).map_or("?", |v| v.1)
 }
 

@@ -61,7 +61,7 @@ pub(crate) fn write(
         report.warn("backend-gave-up", Place::file(input.file()), text);
     }
     let works = offer.map(|o| &o.listed);
-    let made = make::options(job, study, (found, offer))?;
+    let (made, alike) = make::options(job, study, (found, offer))?;
     let made = briefed::briefed(round, made, &mut report)?;
     let built = made.iter().filter(|m| m.built.is_some()).count();
     for m in &made {
@@ -89,7 +89,7 @@ pub(crate) fn write(
         if built < made.len() {
             told::say_below_present(&mut report, input.file(), &found.objectives, is_firm(settings));
         }
-        told::say_options(&mut report, input.file(), study, settings, (found, made.len(), built));
+        told::say_options(&mut report, input.file(), study, settings, (found, made.len(), built, alike));
     }
     let wanted = distance::distance(study, settings) * (study.base.moves.parameters.len() as f64).sqrt();
     let share = found.filter(|_| built < made.len()).map_or(1.0, |f| f.threshold_share);

@@ -233,6 +233,7 @@ def side_car(study: Study, plan: Plan, job: Job, handles: Dict[str, str]) -> Dic
         "level": wishes.level,
         "evaluations": wishes.evaluations,
         "spacing": wishes.spacing_m,
+        "brief": {"items": wishes.brief} if wishes.brief else None,
         "move": [*moves, *allowed.tables(study, plan.outlines, handles)],
         "lineage": study.lineage,
         "host": {

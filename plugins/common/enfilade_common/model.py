@@ -234,6 +234,8 @@ class Wishes:
     unit: str = ""
     clearance: float = 1.0
     wall_length: float = 1.0
+    #: What is asked of rooms, item by item, as a brief of the program has it.
+    brief: List[str] = field(default_factory=list)
 
     def objective_text(self) -> str:
         """As the program's ``--objective`` has it."""

@@ -57,6 +57,27 @@ class Note(NamedTuple):
         return self.severity != "info"
 
 
+#: Signs of the verdicts of a brief.
+SIGNS = {"pass": "✓", "fail": "✗"}
+
+
+@dataclass
+class BriefLine:
+    """An item of the brief of rooms in one layout."""
+
+    #: ``pass``, ``fail`` or ``untold``.
+    verdict: str
+    #: As it is asked.
+    ask: str
+    #: In words where it is not met, or cannot be told.
+    places: List[str] = field(default_factory=list)
+
+    def text(self) -> str:
+        """``✗ bedroom area min 10 m2: Bedroom 2: 9.00 m²``."""
+        tail = ": " + "; ".join(self.places) if self.places else ""
+        return f"{SIGNS.get(self.verdict, '?')} {self.ask}{tail}"
+
+
 @dataclass
 class Option:
     """One option of a round. Numbers as in result.json."""
@@ -76,6 +97,8 @@ class Option:
     per_metre: float = 1000.0
     #: Building works; none where it only moves what stands.
     works: List[Work] = field(default_factory=list)
+    #: What it has of the brief of rooms.
+    brief: List[BriefLine] = field(default_factory=list)
 
     def change(self, measure: str) -> str:
         """The confirmed change of a measure, as the program writes it: ``+9 % (7 to 11 %)``."""
@@ -128,6 +151,8 @@ class Round:
     #: The unit of the drawing, and how many are in a metre.
     unit: str = "mm"
     per_metre: float = 1000.0
+    #: What the present layout has of the brief of rooms.
+    brief: List[BriefLine] = field(default_factory=list)
 
     @property
     def report(self) -> str:
@@ -249,7 +274,17 @@ def _round(folder: str, data: Dict[str, Any]) -> Round:
         is_so_far=not numbers,
         unit=unit,
         per_metre=per_metre,
+        brief=_brief(data),
     )
+
+
+def _brief(data: Dict[str, Any]) -> List[BriefLine]:
+    def line(item: Dict[str, Any]) -> BriefLine:
+        verdict = str(item["verdict"])
+        places = [str(f["words"]) for f in item.get("findings") or [] if f["verdict"] != "pass"]
+        return BriefLine(verdict, str(item["ask"]), places if verdict != "pass" else [])
+
+    return [line(item) for item in data.get("brief") or []]
 
 
 def _option(folder: str, number: int, data: Dict[str, Any], per_metre: float) -> Option:
@@ -267,6 +302,7 @@ def _option(folder: str, number: int, data: Dict[str, Any], per_metre: float) ->
         per_metre=per_metre,
         gain=dict(data.get("gain", {})),
         works=works_of(data.get("works"), per_metre),
+        brief=_brief(data),
     )
 
 

@@ -72,6 +72,19 @@ def test_a_named_pair_is_measured_by_itself(house, tmp_path, real_program):
     assert found.initial[over] > 0 and all(o.mean[over] > 0 for o in found.options)
 
 
+def test_a_brief_is_asked_and_told(house, tmp_path, real_program):
+    house.wishes.brief = ["rooms area min 1 m2", "goal: rooms area min 900 m2"]
+    written = job.write(house, str(tmp_path))
+    assert job.read(written.folder).study == house
+    run = [real_program, "run", written.drawing, "--evaluations", "80"]
+    assert subprocess.run(run, stdout=subprocess.PIPE, stderr=subprocess.PIPE).returncode in (0, 1)
+    found = results.latest(written)
+    for brief in [found.brief, *(o.brief for o in found.options)]:
+        assert [line.verdict for line in brief] == ["pass", "fail"]
+        assert brief[0].text() == "✓ rooms area min 1 m2"
+        assert brief[1].text().startswith("✗ goal: rooms area min 900 m2: ")
+
+
 def test_an_objective_over_a_pair_that_is_not_drawn_is_refused(house, tmp_path):
     house.wishes.objectives = [*default_objectives(), Objective("degree", "max", pair="north", is_on=False)]
     job.check(house)

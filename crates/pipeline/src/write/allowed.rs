@@ -17,7 +17,7 @@ pub(crate) fn say_allowed(
     if !narrow_ways && !things {
         return;
     }
-    for (i, m) in made.iter().enumerate().filter(|(_, m)| m.built.is_none()) {
+    for (i, m) in made.iter().enumerate().filter(|(_, m)| m.moves_any()) {
         let faults = study.all_faults(&m.layout);
         let mut say = |code: &'static str, does: String, word: &str| {
             let text = format!("option {} {does}, as `--allow {word}` permits", i + 1);

@@ -106,11 +106,11 @@ fn state_left_out(round: &Round<'_>, what: &str, broken: &BTreeSet<String>, repo
 /// The brief of an option, of its drawing read again.
 fn brief_of(Job { input, settings }: Job<'_>, made: &Made) -> Result<Vec<BriefItem>, Error> {
     let options = read::read_options(settings);
-    let (edits, additions, tables) = match &made.built {
-        Some(built) => (&built.edits, &built.additions[..], &built.tables[..]),
-        None => (&made.edits, &[][..], &[][..]),
+    let (additions, tables) = match &made.built {
+        Some(built) => (&built.additions[..], &built.tables[..]),
+        None => (&[][..], &[][..]),
     };
-    let bytes = enfilade_cad::patch(input.file(), &input.bytes, &options, edits, additions)?;
+    let bytes = enfilade_cad::patch(input.file(), &input.bytes, &options, &made.all_edits(), additions)?;
     // Nothing is searched in it, so what may move is not asked.
     let own = Settings {
         works: [&settings.works[..], tables].concat(),

@@ -164,8 +164,7 @@ pub(crate) fn drawings(
                 let Traces { now, before, arrows } = &traces;
                 additions.extend(moved_additions(now, before, &lines, bounds));
                 additions.extend(arrow_additions(arrows, bounds));
-                let built = m.built.iter().flat_map(|b| &b.edits);
-                (m.name.clone(), m.edits.iter().chain(built).cloned().collect())
+                (m.name.clone(), m.all_edits())
             }
         };
         let mut additions = show::to_drawing_units(&study.base.plan, additions);

@@ -36,6 +36,16 @@ pub(crate) struct Made {
 }
 
 impl Made {
+    /// Whether it moves anything: works alone do not.
+    pub(crate) fn moves_any(&self) -> bool {
+        self.built.as_ref().is_none_or(|b| b.moved.is_any())
+    }
+
+    /// All changes of the file: of what moves, and of works.
+    pub(crate) fn all_edits(&self) -> Vec<Edit> {
+        self.edits.iter().chain(self.built.iter().flat_map(|b| &b.edits)).cloned().collect()
+    }
+
     /// What people call it.
     pub(crate) fn title(&self) -> String {
         self.name.strip_prefix("candidate-").map_or("best layout".to_owned(), |n| format!("option {n}"))

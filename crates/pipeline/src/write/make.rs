@@ -144,7 +144,7 @@ impl Choice<'_> {
 }
 
 /// The options of a round: those of the search, and those that build among them by what they gain. Those that are pinned
-/// stand first; one of the search stays where there is any.
+/// stand first; one of the search stays where there is any. And how many were left out since they are like one of these.
 ///
 /// # Errors
 /// As [`make`].
@@ -152,8 +152,9 @@ pub(crate) fn options(
     job: Job<'_>,
     study: &Study,
     (found, offer): (Option<&Found>, Option<&Offer>),
-) -> Result<Vec<Made>, Error> {
+) -> Result<(Vec<Made>, usize), Error> {
     let settings = job.settings;
+    let mut alike = 0;
     let layouts = found.into_iter().flat_map(|f| (0..f.members.len()).map(move |i| Choice::Layout(f, i)));
     let mut all: Vec<Choice<'_>> = layouts.collect();
     if let Some(offer) = offer.filter(|o| !o.options.is_empty()) {
@@ -169,17 +170,20 @@ pub(crate) fn options(
             let least = free.remove(least);
             free.insert(1.min(free.len()), least);
         }
-        let mut free = apart(study, free, room);
+        let (mut free, left_out) = apart(study, free, room);
+        alike = left_out;
         free.sort_by(by_gain);
         all.extend(free);
     }
     let one = |(i, choice): (usize, &Choice<'_>)| choice.make(job, study, &format!("candidate-{}", i + 1));
-    all.par_iter().enumerate().map(one).collect()
+    let made: Result<Vec<Made>, Error> = all.par_iter().enumerate().map(one).collect();
+    Ok((made?, alike))
 }
 
-/// The first that differ, at most so many. The best layout of the search is an idea of its own, whatever a wall less would
+/// The first that differ, at most so many, and how many were left out since they are like one of these. The best layout of the search is an idea of its own, whatever a wall less would
 /// bring: it has the last place, if there is room for two.
-fn apart<'a>(study: &Study, all: Vec<Choice<'a>>, room: usize) -> Vec<Choice<'a>> {
+fn apart<'a>(study: &Study, all: Vec<Choice<'a>>, room: usize) -> (Vec<Choice<'a>>, usize) {
+    let mut alike = 0;
     let mut taken: Vec<(Choice<'a>, Experience)> = Vec::new();
     let mut moving = None;
     for choice in all {
@@ -188,6 +192,7 @@ fn apart<'a>(study: &Study, all: Vec<Choice<'a>>, room: usize) -> Vec<Choice<'a>
             t.0.builds() != choice.builds() && t.1.likeness(&experience) > SAME_MAPS
         };
         if taken.iter().any(is_alike) {
+            alike += 1;
             continue;
         }
         if taken.len() < room {
@@ -200,7 +205,7 @@ fn apart<'a>(study: &Study, all: Vec<Choice<'a>>, room: usize) -> Vec<Choice<'a>
         taken.pop();
         taken.push(moving);
     }
-    taken.into_iter().map(|t| t.0).collect()
+    (taken.into_iter().map(|t| t.0).collect(), alike)
 }
 
 /// An option that builds, made already.

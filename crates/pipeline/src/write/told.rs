@@ -122,7 +122,7 @@ pub(crate) fn say_options(
     file: &str,
     study: &Study,
     settings: &Settings,
-    (found, made, built): (&Found, usize, usize),
+    (found, made, built, alike): (&Found, usize, usize, usize),
 ) {
     let place = || Place::file(file);
     if let Some(why) = &found.no_option {
@@ -170,7 +170,7 @@ pub(crate) fn say_options(
         }
         return;
     }
-    if found.alike > 0 && made < settings.members {
+    if found.alike + alike > 0 && made < settings.members {
         report.warn("options-left-out", place(), left_out_words(study, settings, made));
     } else if found.unworthy == 0 && settings.mode == Mode::Diverse && made < settings.members {
         let kept = pinned(settings).min(made);

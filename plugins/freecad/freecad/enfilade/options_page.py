@@ -47,6 +47,11 @@ class OptionsPage(QtWidgets.QWidget):
         # As high as the longest words, so that nothing below jumps while the mouse passes the strip.
         self.words.setMinimumHeight(5 * self.words.fontMetrics().lineSpacing())
         layout.addWidget(self.words)
+        self.brief = QtWidgets.QLabel()
+        self.brief.setObjectName("EnfiladeBrief")
+        self.brief.setWordWrap(True)
+        self.brief.setTextInteractionFlags(QtCore.Qt.TextSelectableByMouse)
+        layout.addWidget(self.brief)
         self.numbers = QtWidgets.QTableWidget(0, 4)
         self.numbers.setObjectName("EnfiladeNumbers")
         self.numbers.setEditTriggers(QtWidgets.QAbstractItemView.NoEditTriggers)
@@ -132,6 +137,7 @@ class OptionsPage(QtWidgets.QWidget):
         self.strip.clear()
         self.numbers.setRowCount(0)
         self.words.setText(say("Run the study to see options here."))
+        self._show_brief([])
         self.show_span("", (0.0, 0.0))
         self._show_notes([])
         self._panel.foot.offer(None)
@@ -231,8 +237,14 @@ class OptionsPage(QtWidgets.QWidget):
         self._shown = row
         option = self._option(row)
         self.words.setText(words_of(option) if option else say("Present"))
+        self._show_brief(option.brief if option else self._round.brief)
         self._fill_numbers(option)
         self._panel.preview(option, self._measure(), self.ghosts.isChecked())
+
+    def _show_brief(self, lines) -> None:
+        """The brief of rooms as ticks and crosses."""
+        self.brief.setText("\n".join(line.text() for line in lines))
+        self.brief.setVisible(bool(lines))
 
     def _fill_numbers(self, option) -> None:
         heads = [say("Measure"), say("Now"), name_of(option) if option else "", say("Change")]

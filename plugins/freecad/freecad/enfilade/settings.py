@@ -49,7 +49,8 @@ def _is_sound(found: Wishes) -> bool:
     budget = found.evaluations is None or is_number(found.evaluations, int)
     spacing = found.spacing_m is None or is_number(found.spacing_m, int, float)
     is_unit = found.unit in ("", *UNITS)
-    return bool(found.objectives) and objectives and whole and budget and spacing and is_unit
+    brief = isinstance(found.brief, list) and all(isinstance(item, str) for item in found.brief)
+    return bool(found.objectives) and objectives and whole and budget and spacing and is_unit and brief
 
 
 def storey(doc) -> Optional[str]:

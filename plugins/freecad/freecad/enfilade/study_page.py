@@ -86,6 +86,9 @@ class StudyPage(QtWidgets.QWidget):
         self.unit.addItem(say("automatic"), "")
         for unit in UNITS:
             self.unit.addItem(unit, unit)
+        self.brief = QtWidgets.QLineEdit()
+        self.brief.setPlaceholderText("kitchen next-to dining; bedroom area min 9 m2")
+        self.brief.setToolTip(say("What rooms must have, parted by semicolons. Options that break it are left out."))
         self.program = QtWidgets.QLineEdit(settings.program_path())
         self.program.setObjectName("EnfiladeProgram")
         self.program.setPlaceholderText(say("found by itself"))
@@ -97,6 +100,7 @@ class StudyPage(QtWidgets.QWidget):
             ("Sight lines", "EnfiladeLevel", self.level),
             ("Cell size", "EnfiladeSpacing", self.spacing),
             ("Drawn in", "EnfiladeUnit", self.unit),
+            ("Asked of rooms", "EnfiladeAsked", self.brief),
             ("Program", "EnfiladeProgram", self.program),
         ):
             widget.setObjectName(name)
@@ -116,6 +120,7 @@ class StudyPage(QtWidgets.QWidget):
         self.level.setCurrentIndex(0 if wishes.level == "eye" else 1)
         self.spacing.setValue(wishes.spacing_m or 0.0)
         self.unit.setCurrentIndex(self.unit.findData(wishes.unit))
+        self.brief.setText("; ".join(wishes.brief))
 
     def _add(self, wish: Wish) -> None:
         row = QtWidgets.QWidget()
@@ -160,6 +165,7 @@ class StudyPage(QtWidgets.QWidget):
             spacing_m=self.spacing.value() or None,
             level=self.level.itemData(self.level.currentIndex()),
             unit=self.unit.itemData(self.unit.currentIndex()),
+            brief=[item.strip() for item in self.brief.text().split(";") if item.strip()],
         )
 
     def refresh(self, doc) -> None:

@@ -34,6 +34,8 @@ GERMAN = {
     "They look at this": "Dorthin sollen sie sehen",
     "Nothing moves here": "Hier bewegt sich nichts",
     "What should get better, most important first": "Was besser werden soll, Wichtigstes zuerst",
+    "Asked of rooms": "Von Räumen verlangt",
+    "What rooms must have, parted by semicolons. Options that break it are left out.": "Was Räume haben müssen, durch Semikolon getrennt. Varianten, die es verletzen, entfallen.",
     "See more (visibility)": "Mehr sehen (Sichtbarkeit)",
     "See less (visibility)": "Weniger sehen (Sichtbarkeit)",
     "Fewer steps (turns)": "Weniger Schritte (Wendungen)",
