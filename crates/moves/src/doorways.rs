@@ -510,7 +510,7 @@ pub(super) fn is_worth_moving(clause: &Clause, human_scale: f64) -> bool {
 
 /// The doors that the file names, else those that are understood from what is drawn.
 pub(super) fn doors(plan: &Plan, axes: &AxisGraph) -> Vec<Doorway> {
-    if plan.doors.is_empty() { seen_doors(plan, axes) } else { named_doors(plan) }
+    if plan.doors.is_empty() { seen(plan, axes, OpeningKind::Door) } else { named_doors(plan) }
 }
 
 /// The doors that the file calls so, each along the longest side of its wall, else of its own.
@@ -541,9 +541,9 @@ fn named_doors(plan: &Plan) -> Vec<Doorway> {
     plan.doors.iter().filter_map(of).collect()
 }
 
-/// The doors that are understood from what is drawn.
-fn seen_doors(plan: &Plan, axes: &AxisGraph) -> Vec<Doorway> {
-    let doors = axes.openings.iter().filter(|o| o.kind == OpeningKind::Door);
+/// The openings of a kind that are understood from what is drawn.
+pub(super) fn seen(plan: &Plan, axes: &AxisGraph, kind: OpeningKind) -> Vec<Doorway> {
+    let openings = axes.openings.iter().filter(|o| o.kind == kind);
     let of = |o: &Opening| Doorway {
         at: o.jambs.map(|j| j.at),
         hangs: Hangs::Jambs(sides_of(plan, axes, o)),
@@ -551,7 +551,7 @@ fn seen_doors(plan: &Plan, axes: &AxisGraph) -> Vec<Doorway> {
         wanted: o.width_m.clamp(CLEAR_MIN_M, DOOR_WIDTH_M[1]),
         drawn_in: [o.faces.as_slice(), &o.through].concat(),
     };
-    doors.map(of).collect()
+    openings.map(of).collect()
 }
 
 fn sides_of(plan: &Plan, axes: &AxisGraph, opening: &Opening) -> [Side; 2] {

@@ -97,10 +97,10 @@ impl Moves {
         out
     }
 
-    /// Shortens default moves that would leave a door narrower in any way, alone or with one other: nobody asked for it.
-    /// Of two that do it together, the later one gives way.
+    /// Shortens default moves that would leave a door or a window narrower in any way, alone or with one other: nobody asked for
+    /// it. Of two that do it together, the later one gives way.
     pub fn keep_doors_as_drawn(&mut self, plan: &Plan, graph: &Graph, axes: &AxisGraph) -> KeptWide {
-        let doors = Doors::new(plan, axes);
+        let doors = Doors::and_windows(plan, axes);
         let mut out = KeptWide::default();
         if doors.doors.is_empty() {
             return out;

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::Layout;
-use super::doorways::{Doorway, doors, meet};
+use super::doorways::{Doorway, doors, meet, seen};
 use super::sliding::clipped;
 use enfilade_cad::plane::box_of;
 use enfilade_engine::geometry::PointUm;
-use enfilade_plan::axes::AxisGraph;
+use enfilade_plan::axes::{AxisGraph, OpeningKind};
 use enfilade_plan::curve::Trace;
 use enfilade_plan::{Plan, Wall};
 
@@ -60,6 +60,13 @@ impl<'a> Doors<'a> {
     pub fn new(plan: &'a Plan, axes: &AxisGraph) -> Self {
         let of = |w: &Wall| box_of(w.trace.points.iter().map(|p| at_m(plan, *p))).unwrap_or_default();
         Self { plan, doors: doors(plan, axes), boxes: plan.walls.iter().map(of).collect() }
+    }
+
+    /// The same with the windows: no default move leaves a wall standing before one.
+    pub fn and_windows(plan: &'a Plan, axes: &AxisGraph) -> Self {
+        let mut out = Self::new(plan, axes);
+        out.doors.extend(seen(plan, axes, OpeningKind::Window));
+        out
     }
 
     /// Whether what a layout changes comes near a door on its way from where it is drawn.

@@ -87,6 +87,9 @@ pub fn titles(works: &[OptionWork]) -> String {
     works.iter().enumerate().map(title).collect::<Vec<_>>().join("; ")
 }
 
+/// Said of works that are allowed since doors of private rooms are shut.
+pub const SHOWS_PRIVATE: &str = "It shows more of a private room while that room's door stands open";
+
 /// A straight wall that is built. Metres in the drawing frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BuiltWall {

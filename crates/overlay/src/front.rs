@@ -18,6 +18,12 @@ pub struct FrontPoint {
     pub mean: Numbers,
     /// What its works cost together.
     pub effort: Effort,
+    /// Whether more of a private room is seen while that room's door stands open.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub shows_private: bool,
+    /// The option that has these works and moves nothing, from 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub option: Option<usize>,
     /// Its works.
     pub works: Vec<OptionWork>,
 }

@@ -261,7 +261,8 @@ impl WorksResult {
 
     /// What no wall at all would bring between the same rooms, where that is allowed and another work was named.
     fn whole(&self, work: &WorkEntry) -> String {
-        let same = |w: &&WorkEntry| w.kind == "remove" && w.is_allowed && w.rooms == work.rooms;
+        let is_of = |w: &WorkEntry| w.wall.iter().any(|e| work.wall.contains(e)) || work.wall.is_empty();
+        let same = |w: &&WorkEntry| w.kind == "remove" && w.is_allowed && w.rooms == work.rooms && is_of(w);
         match self.works.iter().find(same).filter(|w| w.id != work.id).and_then(|w| w.gain.get(VISIBILITY)) {
             Some(g) if work.is_allowed => format!(" (without the wall {})", percent(g.share)),
             _ => String::new(),

@@ -58,6 +58,7 @@ use search::judged::objectives;
 use search::rules;
 use understand::fits;
 use works::Offer;
+use write::briefed;
 
 pub use analyse::{add_columns, analyse, analyse_from, measure};
 pub use check::{Extras, check, check_with};
@@ -157,13 +158,15 @@ fn offered(
     let layouts = found.map_or(Vec::new(), Found::layouts);
     let is_wanted = !round.is_asked() && works::options::are_wanted(&study.base);
     let found = if is_wanted {
-        works::options::options(job, judges, (&listed, &layouts), report, cancel)?
+        works::options::options(job, judges, (&listed, &layouts, !round.brief.is_empty()), report, cancel)?
     } else {
         Default::default()
     };
     let objectives = works::options::lowered(told, &found.options, job.settings);
+    let front = briefed::points(round, (found.front, found.drawn), report)?;
+    works::options::say_front(&front, job.input.file(), report);
     let options = found.options.into_iter().map(Arc::new).collect();
-    Ok(Offer { listed, options, front: found.front, objectives })
+    Ok(Offer { listed, options, front, objectives })
 }
 
 /// What a round finds: a search, and what is confirmed of it. The best so far is handed out as often as the settings say.

@@ -47,8 +47,8 @@ use enfilade_works::counts::{Present, STEP_M, degrees, difference};
 use enfilade_works::rooms::rooms_of;
 use enfilade_works::walls::{Wall, walls};
 use enfilade_works::{Change, Room, RoomId, Site, Work, WorkKind, Works, works};
+pub(crate) use made::{Drawn, Moved, of_option};
 pub use made::{MadeWorks, make_works};
-pub(crate) use made::{Moved, of_option};
 use option::BuildingOption;
 
 /// Works of which steps are counted too: by trees of all cells.

@@ -248,7 +248,7 @@ fn kept_as_drawn(drawing: &Drawing) -> (Ways, Ways, Vec<String>) {
     let now = ways(&moves);
     assert!(kept.without_way.is_subset(&kept.shorter));
     assert!((0..now.len()).all(|i| kept.shorter.contains(&i) == (made[i] != now[i])), "{made:?} {now:?}");
-    let doors = Doors::new(&plan, &axes);
+    let doors = Doors::and_windows(&plan, &axes);
     let ends = || (0..now.len()).flat_map(|i| [(i, 0), (i, 1)]);
     for (a, b) in ends().flat_map(|a| ends().map(move |b| (a, b))) {
         let mut at = moves.identity();

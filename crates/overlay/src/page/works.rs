@@ -1,5 +1,6 @@
 //! What building works would bring: the list that every round has, with its picture.
 
+use super::super::built::SHOWS_PRIVATE;
 use super::super::html::Html;
 use super::super::measure::{plain_name, trimmed};
 use super::super::options::told_measures;
@@ -49,7 +50,9 @@ pub(super) fn front(html: &mut Html, result: &RoundResult) {
     html.element("th", &[("scope", "col")], "Wall").raw("</tr></thead>\n<tbody>\n");
     for point in &result.front {
         html.raw("<tr>").element("th", &[("scope", "row")], &point.point.to_string());
-        html.element("td", &[], &point.words);
+        let option = point.option.map_or_else(String::new, |n| format!(" (option {n})"));
+        let private = if point.shows_private { format!(". {SHOWS_PRIVATE}") } else { String::new() };
+        html.element("td", &[], &format!("{}{option}{private}", point.words));
         for key in &keys {
             html.raw("<td>");
             if let (Some(from), Some(now)) = (result.initial.mean.get(key), point.mean.get(key)) {

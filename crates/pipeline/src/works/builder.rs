@@ -1,9 +1,9 @@
 //! Finds sets of works, measures them, and makes options of them.
 
 use super::edits::{built_axis, filling, outlines, thickness_m};
-use super::made::{Moved, Together};
+use super::made::{Drawn, Moved, Together};
 use super::option::{BuildingOption, Judges};
-use super::sets::{BEST, Counted, MOST, Sets, front, paying};
+use super::sets::{BEST, Counted, MOST, Sets, front, paying, sort};
 use super::{Floor, Listed, shown};
 use crate::confirm::confirmed;
 use crate::confirm::ideas::Experience;
@@ -13,13 +13,14 @@ use crate::measure::parts::stopping;
 use crate::search::judged::{evaluation, gained, is_firm};
 use crate::write::{show, traces};
 use enfilade_cad::drawing::Filling;
+use enfilade_config::Mode;
 use enfilade_engine::geometry::Segment;
 use enfilade_overlay::built::{BuiltWall, Effort, OptionWork, titles};
 use enfilade_overlay::result::FrontPoint;
 use enfilade_overlay::result::{Gains, Numbers};
 use enfilade_overlay::works::{LEAST_SHOWN, WorkEntry};
 use enfilade_report::{Cancel, Error, Place, Report};
-use enfilade_works::Work;
+use enfilade_works::{Work, WorkKind};
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -29,6 +30,10 @@ const SINGLES: usize = 12;
 const TOGETHER: usize = 5;
 /// What the least change brings of the gain of the best set: half of it.
 const LEAST_CHANGE: f64 = 0.5;
+/// Sets of two and of three that are counted in other sizes, the best: for speed alone.
+const SEEDS: [usize; 2] = [5, 2];
+/// Sizes that each of their works is tried in, as far apart in gain as they go: for speed alone.
+const SIZES: usize = 5;
 /// Points of the front of gain against effort.
 const POINTS: usize = 8;
 /// From one point to the next at least this share of the most is gained: a smaller step is none that somebody would pay for.
@@ -56,6 +61,19 @@ pub(super) struct Set {
 /// Metres to whole millimetres, never −0.
 fn whole_mm(v: f64) -> f64 {
     (v * 1e3).round() / 1e3 + 0.0
+}
+
+/// Those of sets that gain more than all cheaper ones in what is asked for, the cheapest first.
+fn rising(mut sets: Vec<Set>) -> Vec<Set> {
+    sets.sort_by(|a, b| a.effort_m.total_cmp(&b.effort_m));
+    let mut most = 0.0;
+    sets.retain(|s| {
+        s.gain > most && {
+            most = s.gain;
+            true
+        }
+    });
+    sets
 }
 
 /// Finds sets of works.
@@ -100,46 +118,63 @@ impl<'a> Builder<'a> {
         let result = &self.listed.result;
         let Some(best) = result.different_of(1, dear).first().map(|e| result.line(e)) else { return };
         let text = format!(
-            "Works that cost more than `--budget \"{}\"`: {count}. The best of them: {best}.",
+            "Single works that cost more than `--budget \"{}\"`: {count}. The best of them: {best}.",
             self.job.settings.budget
         );
         report.info("works-budget", Place::file(self.job.input.file()), text);
     }
 
-    /// Sets in the order in which they are options: the one that gains most, the least change that brings half, all others by
-    /// what they gain. And the front of gain against effort.
+    /// Sets in the order in which they are options: those that gain most first, the least change that brings half last, whose
+    /// place is kept. And the front of gain against effort.
     pub(super) fn sets(&self, cancel: &Cancel) -> Result<(Vec<Set>, Vec<Set>), Error> {
-        let may = |e: &WorkEntry| e.is_allowed && self.is_within_budget(e);
+        let may = |e: &WorkEntry| e.is_allowed;
         let result = &self.listed.result;
         let places = |of: Vec<&WorkEntry>| of.iter().map(|e| e.id - 1).collect::<Vec<_>>();
-        let among = places(result.different_of(BEST, may));
+        let (among, gaining) = (places(result.different_of(BEST, may)), places(result.gaining(may)));
         let site = self.floor().site(self.judges.study);
         let sets = Sets { site: &site, works: &self.listed.found, budget: self.job.settings.budget };
         let counted = paying(sets.all(&among, cancel)?, STRIPPED);
-        let all = [counted.clone(), sets.singles(&places(result.gaining(may)))].concat();
-        let quiet: Vec<Counted> = all.iter().filter(|s| !s.shows).cloned().collect();
-        let points = front(if quiet.is_empty() { &all } else { &quiet }, POINT_STEP, POINTS);
+        let singles = sets.singles(&gaining);
+        let mut all = [&counted[..], &singles].concat();
+        for (count, seeds) in [(2, SEEDS[0]), (3, SEEDS[1])] {
+            for seed in counted.iter().filter(|s| s.works.len() == count).take(seeds) {
+                let like = |w: &usize| -> Vec<Counted> {
+                    singles.iter().filter(|s| sets.joins_same(*w, s.works[0])).cloned().collect()
+                };
+                let of = |w: &usize| front(&like(w), 0.0, SIZES).iter().map(|s| s.works[0]).collect();
+                all.extend(sets.sizes(&seed.works.iter().map(of).collect::<Vec<_>>(), cancel)?);
+            }
+        }
+        sort(&mut all);
+        all.retain(|s| sets.is_within(s));
+        let is_whole = |w: &usize| self.work(*w).kind == WorkKind::Remove && !among.contains(w);
+        let small = all.iter().filter(|s| !s.works.iter().any(is_whole)).cloned();
+        let small = sets.different(paying(small.collect(), STRIPPED));
         let best = |count: usize| {
-            let of = counted.iter().filter(move |s| s.works.len() == count);
+            let of = small.iter().filter(move |s| s.works.len() == count);
             of.filter(|s| !sets.show_more_together(&s.works)).take(TOGETHER)
         };
-        let alone = counted.iter().filter(|s| s.works.len() == 1).take(SINGLES);
+        let alone = small.iter().filter(|s| s.works.len() == 1).take(SINGLES);
         let several: Vec<Counted> = (2..=MOST).flat_map(best).chain(alone).cloned().collect();
         cancel.check()?;
         let mut sets_found = self.measured(several);
         cancel.check()?;
+        let points = front(&all, POINT_STEP, POINTS);
         let points = points.into_iter().filter(|s| !sets.show_more_together(&s.works)).collect();
-        let mut points = self.measured(points);
-        points.sort_by(|a, b| a.effort_m.total_cmp(&b.effort_m));
+        let points = rising(self.measured(points).into_iter().filter(|s| s.is_legal).collect());
+        if self.job.settings.mode == Mode::Best {
+            sets_found.splice(0..0, points.last().cloned());
+        }
         if let Some(more) = self.with_moves(&sets_found, cancel)? {
             sets_found.insert(0, more);
         }
-        if let Some(best) = sets_found.iter().find(|s| s.is_legal) {
-            let brings_half = |s: &&Set| s.is_legal && s.gain >= LEAST_CHANGE * best.gain;
+        let legal = sets_found.iter().filter(|s| s.is_legal);
+        if let Some(best) = legal.reduce(|a, b| if b.gain > a.gain { b } else { a }) {
+            let brings_half = |s: &&Set| s.gain >= LEAST_CHANGE * best.gain;
             let least = points.iter().find(brings_half).filter(|s| s.effort_m < best.effort_m);
             let least = least.map(|s| Set { is_least: true, ..s.clone() });
-            let behind = sets_found.iter().position(|s| s.is_legal).map_or(0, |i| i + 1);
-            sets_found.splice(behind..behind, least);
+            sets_found.retain(|s| least.as_ref().is_none_or(|l| l.works != s.works || s.moved.is_any()));
+            sets_found.extend(least);
         }
         Ok((sets_found, points))
     }
@@ -175,8 +210,18 @@ impl<'a> Builder<'a> {
     pub(super) fn point(&self, point: usize, set: &Set, gain: Gains) -> FrontPoint {
         let works = self.told_all(set);
         let effort = works.iter().fold(Effort::default(), |all, w| all.and(&w.effort));
+        let effort =
+            Effort { demolished_m: whole_mm(effort.demolished_m), built_m: whole_mm(effort.built_m) };
+        let shows_private = set.works.iter().any(|w| self.work(*w).shows_through_doors);
         let mean = set.mean.clone();
-        FrontPoint { point, words: titles(&works), gain, mean, effort, works }
+        FrontPoint { point, words: titles(&works), gain, mean, effort, shows_private, works, option: None }
+    }
+
+    /// The drawing with a set; none where it cannot be made.
+    pub(super) fn drawn(&self, set: &Set) -> Option<Drawn> {
+        let works: Vec<(usize, &Work)> = set.works.iter().map(|w| (w + 1, self.work(*w))).collect();
+        let made = Together::make(self.job, (self.judges.study, self.floor()), &works, &set.moved).ok()?;
+        Some(Drawn { bytes: made.bytes, tables: made.written.tables })
     }
 
     fn told_all(&self, set: &Set) -> Vec<OptionWork> {

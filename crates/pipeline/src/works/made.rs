@@ -143,6 +143,14 @@ impl Moved {
     }
 }
 
+/// A drawing with works.
+pub(crate) struct Drawn {
+    /// Its bytes, without layers of ours but that of what was demolished.
+    pub(crate) bytes: Vec<u8>,
+    /// What it cannot hold, for its side-car.
+    pub(crate) tables: Vec<WorkTable>,
+}
+
 /// Works made in one drawing, which was read again.
 pub(crate) struct Together {
     /// How they are written.

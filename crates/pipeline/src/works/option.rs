@@ -6,7 +6,7 @@ use crate::measure::worth::Worth;
 use crate::search::brief::Aims;
 use enfilade_cad::drawing::{Addition, Edit};
 use enfilade_config::WorkTable;
-use enfilade_overlay::built::{Effort, OptionWork};
+use enfilade_overlay::built::{Effort, OptionWork, SHOWS_PRIVATE};
 use enfilade_overlay::picture::{PlanPicture, Stroke};
 use enfilade_overlay::result::{Gains, MoveEntry, Objective};
 use enfilade_overlay::words;
@@ -48,8 +48,6 @@ pub(crate) struct BuildingOption {
     pub(crate) report: Report,
 }
 
-/// Said of works that are allowed since doors of private rooms are shut.
-const SHOWS_PRIVATE: &str = "It shows more of a private room while that room's door stands open";
 /// Said of the least change.
 const IS_LEAST: &str = "No cheaper works bring half of what the best do";
 

@@ -2,6 +2,7 @@
 
 use super::Listed;
 use super::builder::{Builder, Set};
+use super::made::Drawn;
 use super::option::{BuildingOption, Judges};
 use crate::confirm::confirmed;
 use crate::confirm::ideas::SAME_MAPS;
@@ -29,6 +30,8 @@ pub(crate) struct Found {
     pub(crate) options: Vec<BuildingOption>,
     /// The front of gain against effort, the cheapest first.
     pub(crate) front: Vec<FrontPoint>,
+    /// The drawings of its points, where they are asked for; none of one that cannot be made.
+    pub(crate) drawn: Vec<Option<Drawn>>,
 }
 
 /// The options that build, and the front that they are taken from.
@@ -38,7 +41,7 @@ pub(crate) struct Found {
 pub(crate) fn options(
     job: Job<'_>,
     judges: Judges<'_>,
-    (listed, layouts): (&Listed, &[Vec<f64>]),
+    (listed, layouts, is_briefed): (&Listed, &[Vec<f64>], bool),
     report: &mut Report,
     cancel: &Cancel,
 ) -> Result<Found, Error> {
@@ -47,27 +50,12 @@ pub(crate) fn options(
     builder.say_budget(report);
     let (sets, front) = builder.sets(cancel)?;
     cancel.check()?;
-    let (mut left, mut taken, mut made) = (sets, Vec::new(), Vec::new());
-    let mut withheld = 0;
-    while made.len() < wanted {
-        let (next, others) = unlike(left, &taken, wanted - made.len());
-        left = others;
-        if next.is_empty() {
-            break;
-        }
-        let gains = builder.gains(&next);
-        cancel.check()?;
-        let sure = next.into_iter().zip(gains).filter(|(_, g)| builder.is_sure(g));
-        let sure: Vec<(Set, Gains)> = sure.collect();
-        let turn: Vec<Option<BuildingOption>> =
-            sure.par_iter().map(|(set, gains)| builder.make(set, gains.clone())).collect();
-        for ((set, _), option) in sure.into_iter().zip(turn) {
-            withheld += usize::from(option.is_none());
-            let option = option.filter(|o| o.is_within);
-            taken.extend(option.is_some().then_some(set));
-            made.extend(option);
-        }
-    }
+    let (least, mut left): (Vec<Set>, Vec<Set>) = sets.into_iter().partition(|s| s.is_least && wanted > 1);
+    let mut taking = Taking { builder: &builder, taken: Vec::new(), made: Vec::new(), withheld: 0 };
+    taking.fill(&mut left, wanted - least.len(), cancel)?;
+    taking.take(least, cancel)?;
+    taking.fill(&mut left, wanted, cancel)?;
+    let Taking { mut made, withheld, .. } = taking;
     if withheld > 0 {
         let text = format!(
             "Options left out because the drawing cannot hold their works, or reads otherwise with them: {withheld}."
@@ -76,16 +64,19 @@ pub(crate) fn options(
     }
     let total = |o: &BuildingOption| confirmed::total(judges.objectives, &o.gains);
     made.sort_by(|a, b| total(b).total_cmp(&total(a)));
-    let points = front.iter().zip(builder.gains(&front)).filter(|(_, g)| builder.is_sure(g));
+    let points_sure = front.iter().zip(builder.gains(&front)).filter(|(_, g)| builder.is_sure(g));
+    let points_sure: Vec<(&Set, Gains)> = points_sure.collect();
+    let points = points_sure.iter().enumerate();
     let mut points: Vec<FrontPoint> =
-        points.enumerate().map(|(i, (set, gain))| builder.point(i + 1, set, gain)).collect();
+        points.map(|(i, (set, gain))| builder.point(i + 1, set, gain.clone())).collect();
     tell_apart(&mut made, &mut points);
-    say_front(&points, job.input.file(), report);
-    Ok(Found { options: made, front: points })
+    let sets: Vec<&Set> = points_sure.iter().map(|p| p.0).collect();
+    let drawn = if is_briefed { sets.par_iter().map(|s| builder.drawn(s)).collect() } else { Vec::new() };
+    Ok(Found { options: made, front: points, drawn })
 }
 
 /// Says that there are points to choose from.
-fn say_front(points: &[FrontPoint], file: &str, report: &mut Report) {
+pub(crate) fn say_front(points: &[FrontPoint], file: &str, report: &mut Report) {
     let [first, .., last] = points else { return };
     let ends = [first, last].map(|p| format!("{:.1} m of wall", p.effort.length_m()));
     let text = format!(
@@ -118,15 +109,56 @@ pub(crate) fn wanted(settings: &Settings) -> usize {
     if settings.mode == Mode::Best { 1 } else { settings.members }
 }
 
-/// The first sets that keep the limits and differ from those taken and from each other, and all behind them. The least change
-/// is an idea of its own, however alike what is seen: it costs less.
+/// Options on their way.
+struct Taking<'a> {
+    builder: &'a Builder<'a>,
+    /// The sets that are options.
+    taken: Vec<Set>,
+    made: Vec<BuildingOption>,
+    /// How many the drawing cannot hold.
+    withheld: usize,
+}
+
+impl Taking<'_> {
+    /// Takes the first sets that differ from those before, until there are so many options or none is left.
+    fn fill(&mut self, left: &mut Vec<Set>, wanted: usize, cancel: &Cancel) -> Result<(), Error> {
+        while self.made.len() < wanted {
+            let (next, others) = unlike(std::mem::take(left), &self.taken, wanted - self.made.len());
+            *left = others;
+            if next.is_empty() {
+                break;
+            }
+            self.take(next, cancel)?;
+        }
+        Ok(())
+    }
+
+    /// Takes those of some sets whose gain is sure and which can be made.
+    fn take(&mut self, sets: Vec<Set>, cancel: &Cancel) -> Result<(), Error> {
+        let gains = self.builder.gains(&sets);
+        cancel.check()?;
+        let sure = sets.into_iter().zip(gains).filter(|(s, g)| s.is_legal && self.builder.is_sure(g));
+        let sure: Vec<(Set, Gains)> = sure.collect();
+        let turn: Vec<Option<BuildingOption>> =
+            sure.par_iter().map(|(set, gains)| self.builder.make(set, gains.clone())).collect();
+        for ((set, _), option) in sure.into_iter().zip(turn) {
+            self.withheld += usize::from(option.is_none());
+            let option = option.filter(|o| o.is_within);
+            self.taken.extend(option.is_some().then_some(set));
+            self.made.extend(option);
+        }
+        Ok(())
+    }
+}
+
+/// The first sets that keep the limits and differ from those taken and from each other, and all behind them.
 fn unlike(sets: Vec<Set>, taken: &[Set], most: usize) -> (Vec<Set>, Vec<Set>) {
     let mut out: Vec<Set> = Vec::new();
     let mut sets = sets.into_iter().filter(|s| s.is_legal);
     while out.len() < most {
         let Some(set) = sets.next() else { break };
         let is_alike = |o: &Set| o.works == set.works || o.experience.likeness(&set.experience) > SAME_MAPS;
-        if set.is_least || !taken.iter().chain(&out).any(is_alike) {
+        if !taken.iter().chain(&out).any(is_alike) {
             out.push(set);
         }
     }

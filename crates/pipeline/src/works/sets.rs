@@ -67,8 +67,7 @@ impl Changed {
 }
 
 impl Sets<'_> {
-    /// Each of some works alone, and all sets of them that were counted and cost no more than the budget; those that show most
-    /// first.
+    /// Each of some works alone, and all sets of them that were counted, whatever they cost; those that show most first.
     ///
     /// # Errors
     /// [`Error::Stopped`].
@@ -98,6 +97,43 @@ impl Sets<'_> {
         let mut seen = BTreeSet::new();
         out.retain(|s| seen.insert(s.works.clone()));
         Ok(out)
+    }
+
+    /// The same set in other sizes: each of its works in any that join the same rooms, by the place in the set.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`].
+    pub fn sizes(&self, sizes: &[Vec<usize>], cancel: &Cancel) -> Result<Vec<Counted>, Error> {
+        let mut out: Vec<Counted> = Vec::new();
+        for (k, own) in sizes.iter().enumerate() {
+            out = match k {
+                0 => self.singles(own),
+                _ => out.par_iter().flat_map_iter(|set| self.with_one_more(set, own, cancel)).collect(),
+            };
+            cancel.check()?;
+        }
+        Ok(out)
+    }
+
+    /// Whether the budget holds a set.
+    pub fn is_within(&self, set: &Counted) -> bool {
+        self.budget.holds(set.works.len(), set.effort_m)
+    }
+
+    /// Whether two works join the same rooms.
+    pub fn joins_same(&self, a: usize, b: usize) -> bool {
+        pair_of(&self.works[a]) == pair_of(&self.works[b])
+    }
+
+    /// The first of sets that join the same rooms.
+    pub fn different(&self, sets: impl IntoIterator<Item = Counted>) -> Vec<Counted> {
+        let mut seen = BTreeSet::new();
+        let pairs = |s: &Counted| {
+            let mut all: Vec<_> = s.works.iter().map(|w| pair_of(&self.works[*w])).collect();
+            all.sort_unstable();
+            all
+        };
+        sets.into_iter().filter(|s| seen.insert(pairs(s))).collect()
     }
 
     /// Each of some works alone.
@@ -140,19 +176,13 @@ impl Sets<'_> {
 
     fn may_have(&self, set: &Counted, one: &Counted) -> bool {
         let count = set.works.len() + 1;
-        count <= MOST
-            && self.budget.holds(count, set.effort_m + one.effort_m)
-            && set.works.iter().all(|w| self.go_together(*w, one.works[0]))
+        count <= MOST && set.works.iter().all(|w| self.go_together(*w, one.works[0]))
     }
 
     /// Whether two works touch neither the same wall nor join the same rooms.
     fn go_together(&self, a: usize, b: usize) -> bool {
-        let (a, b) = (&self.works[a], &self.works[b]);
-        let sorted = |mut pair: [Option<RoomId>; 2]| {
-            pair.sort_unstable();
-            pair
-        };
-        a.walls.iter().all(|w| !b.walls.contains(w)) && sorted(a.rooms) != sorted(b.rooms)
+        let apart = |a: &Work, b: &Work| a.walls.iter().all(|w| !b.walls.contains(w));
+        apart(&self.works[a], &self.works[b]) && !self.joins_same(a, b)
     }
 
     /// All that a set does.
@@ -173,8 +203,15 @@ impl Sets<'_> {
     }
 }
 
+/// The rooms that a work joins, whichever is named first.
+fn pair_of(work: &Work) -> [Option<RoomId>; 2] {
+    let mut pair = work.rooms;
+    pair.sort_unstable();
+    pair
+}
+
 /// Those that show most first; of two that show alike the smaller.
-fn sort(sets: &mut [Counted]) {
+pub(super) fn sort(sets: &mut [Counted]) {
     sets.sort_by(|a, b| b.gained.cmp(&a.gained).then_with(|| a.works.cmp(&b.works)));
 }
 
@@ -197,7 +234,9 @@ pub(super) fn paying(sets: Vec<Counted>, share: f64) -> Vec<Counted> {
 /// of the most are left out.
 pub(super) fn front(sets: &[Counted], step: f64, most: usize) -> Vec<Counted> {
     let mut all: Vec<&Counted> = sets.iter().filter(|s| s.gained > 0).collect();
-    all.sort_by(|a, b| a.effort_m.total_cmp(&b.effort_m).then_with(|| b.gained.cmp(&a.gained)));
+    // To the centimetre: who takes down seven metres counts no millimetres.
+    let cost = |s: &Counted| (s.effort_m * 100.0).round() as i64;
+    all.sort_by(|a, b| cost(a).cmp(&cost(b)).then_with(|| b.gained.cmp(&a.gained)));
     let best = all.iter().map(|s| s.gained).max().unwrap_or(0) as f64;
     let mut out: Vec<Counted> = Vec::new();
     for set in all {

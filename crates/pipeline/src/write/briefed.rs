@@ -13,10 +13,12 @@ use crate::search::judged::pinned;
 use crate::understand::rooms::rooms_with_kinds;
 use crate::understand::sensed::Sensed;
 use crate::understand::understood;
+use crate::works::Drawn;
 use crate::write::made::Made;
 use enfilade_brief::demand::Weight;
-use enfilade_config::Settings;
+use enfilade_config::{Settings, WorkTable};
 use enfilade_overlay::brief_item::BriefItem;
+use enfilade_overlay::result::FrontPoint;
 use enfilade_overlay::words::listed;
 use enfilade_report::{Error, Place, Report, counted};
 
@@ -61,6 +63,38 @@ pub(crate) fn briefed(round: &Round<'_>, made: Vec<Made>, report: &mut Report) -
     Ok(kept.into_iter().enumerate().map(renamed).collect())
 }
 
+/// The points of the front that break no limit which the present layout keeps, numbered anew; the report says how many do.
+///
+/// # Errors
+/// As reading the written drawing.
+pub(crate) fn points(
+    round: &Round<'_>,
+    (points, drawn): (Vec<FrontPoint>, Vec<Option<Drawn>>),
+    report: &mut Report,
+) -> Result<Vec<FrontPoint>, Error> {
+    if round.brief.is_empty() || drawn.len() != points.len() {
+        return Ok(points);
+    }
+    let briefs: Vec<Option<Vec<BriefItem>>> = drawn
+        .par_iter()
+        .map(|d| d.as_ref().map(|d| brief_in(round.job, &d.bytes, &d.tables)).transpose())
+        .collect::<Result<_, Error>>()?;
+    let (mut kept, mut broken, all) = (Vec::new(), BTreeSet::new(), points.len());
+    for (point, brief) in points.into_iter().zip(briefs) {
+        let Some(brief) = brief else { continue };
+        let breaks = broken_limits(round, &brief);
+        if breaks.is_empty() {
+            kept.push(FrontPoint { point: kept.len() + 1, ..point });
+        }
+        broken.extend(breaks);
+    }
+    if !broken.is_empty() {
+        let what = counted((all - kept.len()) as u64, "point");
+        state_left_out(round, &what, &broken, report);
+    }
+    Ok(kept)
+}
+
 /// The best layout with what it has of the brief, unless it breaks a limit which the present layout keeps; the report says
 /// so.
 ///
@@ -89,8 +123,12 @@ fn broken_limits(round: &Round<'_>, brief: &[BriefItem]) -> Vec<String> {
     if is_bare(round.job.settings) {
         return Vec::new();
     }
-    let limits = newly(&round.brief, brief, "fail").filter(|b| b.weight == Weight::Limit.name());
-    limits.map(|b| b.ask.clone()).collect()
+    let is_limit = |b: &&BriefItem| b.weight == Weight::Limit.name();
+    let kept: BTreeSet<&str> =
+        round.brief.iter().filter(|b| b.verdict == "pass").map(|b| b.ask.as_str()).collect();
+    // Where a wall between two rooms goes, what was asked of one of them may no longer be told.
+    let lost = newly(&round.brief, brief, "untold").filter(|b| kept.contains(b.ask.as_str()));
+    newly(&round.brief, brief, "fail").chain(lost).filter(is_limit).map(|b| b.ask.clone()).collect()
 }
 
 fn state_left_out(round: &Round<'_>, what: &str, broken: &BTreeSet<String>, report: &mut Report) {
@@ -111,6 +149,15 @@ fn brief_of(Job { input, settings }: Job<'_>, made: &Made) -> Result<Vec<BriefIt
         None => (&[][..], &[][..]),
     };
     let bytes = enfilade_cad::patch(input.file(), &input.bytes, &options, &made.all_edits(), additions)?;
+    brief_in(Job { input, settings }, &bytes, tables)
+}
+
+/// What a written drawing has of the brief.
+fn brief_in(
+    Job { input, settings }: Job<'_>,
+    bytes: &[u8],
+    tables: &[WorkTable],
+) -> Result<Vec<BriefItem>, Error> {
     // Nothing is searched in it, so what may move is not asked.
     let own = Settings {
         works: [&settings.works[..], tables].concat(),
@@ -119,7 +166,7 @@ fn brief_of(Job { input, settings }: Job<'_>, made: &Made) -> Result<Vec<BriefIt
         only_marked: true,
         ..settings.clone()
     };
-    let input = Input::new(input.path, &bytes, input.round);
+    let input = Input::new(input.path, bytes, input.round);
     let mut silent = Report::default();
     let drawing = read::drawing(input.file(), &input.bytes, &own, &mut silent)?;
     let base = understood(&drawing, &own, &mut silent)?;

@@ -127,6 +127,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     if settings.allow != Allow::default() {
         add("allow", settings.allow.to_string());
     }
+    if !settings.brief.is_empty() {
+        add("brief", settings.brief.join("; "));
+    }
     if settings.budget != Budget::default() {
         add("budget", settings.budget.to_string());
     }

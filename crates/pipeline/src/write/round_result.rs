@@ -12,7 +12,8 @@ use crate::write::made::Made;
 use crate::write::{along, briefed, doors, leaving, show};
 use enfilade_config::Settings;
 use enfilade_overlay::result::{
-    self, Best, Candidate, Diversity, Gains, LineageEntry, MoveEntry, Numbers, Objective, RoundResult,
+    self, Best, Candidate, Diversity, FrontPoint, Gains, LineageEntry, MoveEntry, Numbers, Objective,
+    RoundResult,
 };
 use enfilade_overlay::words;
 use enfilade_report::Report;
@@ -34,7 +35,14 @@ pub(crate) fn round_result(
         penalty: show::penalty_numbers(&study.initial),
     };
     let of = |m: &Made| candidate(round, &moves, &initial.mean, m);
-    let candidates = made.iter().map(of).collect();
+    let candidates: Vec<Candidate> = made.iter().map(of).collect();
+    let still = study.base.moves.identity();
+    let option_of = |point: &FrontPoint| {
+        let is = |c: &Candidate| c.works == point.works && c.parameters == still;
+        candidates.iter().position(is).map(|i| i + 1)
+    };
+    let points = offer.into_iter().flat_map(|o| &o.front);
+    let front = points.map(|p| FrontPoint { option: option_of(p), ..p.clone() }).collect();
     let all = made;
     let best = best.map(|made| {
         let of = candidate(round, &moves, &initial.mean, made);
@@ -72,7 +80,7 @@ pub(crate) fn round_result(
         problems: report.problems.iter().map(Into::into).collect(),
         questions: Vec::new(),
         brief: round.brief.clone(),
-        front: offer.map_or(Vec::new(), |o| o.front.clone()),
+        front,
     }
 }
 

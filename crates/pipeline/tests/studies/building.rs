@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use enfilade_config::{Beside, Partial, Settings};
 use enfilade_fixtures::sample;
-use enfilade_overlay::built::titles;
-use enfilade_overlay::result::{Candidate, RoundResult};
+use enfilade_overlay::built::{OptionWork, titles};
+use enfilade_overlay::result::{Candidate, FrontPoint, RoundResult};
 use enfilade_overlay::works::{WorkEntry, WorksResult};
 use enfilade_pipeline::accept::{Accepted, Chosen, Origin, accept};
 use enfilade_pipeline::works::works_of;
@@ -156,6 +156,24 @@ fn works_and_moves_go_together() {
     repeats_in(&result, &files, "flat.ifc");
 }
 
+/// The front reaches what the options bring, also under a budget: sizes of works are joined to fit it.
+#[test]
+fn the_front_reaches_the_best_option() {
+    let bytes = std::fs::read(sample("school-wing.dxf")).unwrap();
+    for budget in ["none", "2 works, 4 m"] {
+        let Outcome { result, .. } = round("school-wing.dxf", &bytes, &format!("budget = {budget:?}\n"));
+        let gain = |g: &enfilade_overlay::result::Gains| g["degree"].share;
+        let best = building(&result).iter().map(|(_, c)| gain(&c.gain)).fold(0.0, f64::max);
+        let last = result.front.last().expect("a point");
+        assert!(gain(&last.gain) > best - 0.01, "{budget}: {best} {last:?}");
+        assert!(last.works.len() > 1, "{budget}: {last:?}");
+        let cost = |c: &Candidate| c.works.iter().map(|w| w.effort.length_m()).sum::<f64>();
+        let within = |m: f64| budget == "none" || m < 4.05;
+        assert!(building(&result).iter().all(|(_, c)| within(cost(c))), "{:?}", result.candidates);
+        assert!(result.front.iter().all(|p| within(p.effort.length_m())), "{:?}", result.front);
+    }
+}
+
 /// An option has at most three works, each of which brings its share; no two options look alike but the least change.
 #[test]
 fn sets_of_works_are_few_and_differ() {
@@ -194,6 +212,12 @@ fn options_keep_the_brief() {
     let under = |ask: &str| round("flat.dxf", &bytes, &format!("[brief]\nitems = [\"{ask}\"]\n"));
     let left_out = |o: &Outcome<RoundResult>| o.report.problems.iter().any(|p| p.code == "options-brief");
     let limit = under("kitchen not-reached-from living");
+    let opens_kitchen = |p: &FrontPoint| p.words.contains("etween Kitchen and Living room");
+    let front = &limit.result.front;
+    assert!(
+        !front.iter().any(opens_kitchen) && front.iter().enumerate().all(|(i, p)| p.point == i + 1),
+        "{front:?}"
+    );
     assert_eq!((opens(&limit), left_out(&limit)), (0, true), "{:?}", limit.result.candidates);
     assert!(!limit.result.candidates.is_empty() && limit.result.candidates[0].file == "candidate-1.dxf");
     let goal = under("goal: kitchen not-reached-from living");
@@ -321,7 +345,9 @@ fn options_of_one_name_say_where_they_are() {
     let names: Vec<String> = options.iter().map(|(_, c)| titles(&c.works)).collect();
     let once: BTreeSet<&String> = names.iter().collect();
     assert_eq!(once.len(), names.len(), "{names:?}");
-    let placed: Vec<bool> =
-        options.iter().map(|(_, c)| c.works.iter().all(|w| w.words.ends_with(&w.place_words()))).collect();
-    assert!(placed.contains(&true) && placed.contains(&false), "{names:?}");
+    let works: Vec<_> = options.iter().flat_map(|(_, c)| &c.works).collect();
+    let is_placed: Vec<bool> = works.iter().map(|w| w.words.ends_with(&w.place_words())).collect();
+    assert!(is_placed.contains(&true) && is_placed.contains(&false), "{names:?}");
+    let is_ambiguous = |w: &&OptionWork| w.words.contains(" in Office");
+    assert!(works.iter().zip(&is_placed).all(|(w, placed)| is_ambiguous(w) == *placed), "{names:?}");
 }
