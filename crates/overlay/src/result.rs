@@ -49,6 +49,15 @@ fn is_up(north_deg: &f64) -> bool {
     *north_deg == 0.0
 }
 
+impl Input {
+    /// Its file as a command takes it: without folders, in quotation marks where a space stands in its name.
+    pub fn argument(&self) -> String {
+        let file = self.path.rsplit(['/', '\\']).next().unwrap_or_default();
+        let quote = if file.contains(char::is_whitespace) { "\"" } else { "" };
+        format!("{quote}{file}{quote}")
+    }
+}
+
 /// How much there is of what.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {

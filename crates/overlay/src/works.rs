@@ -123,9 +123,7 @@ pub const STEPS: &str = "steps";
 impl WorksResult {
     /// The command that draws a work of the list.
     pub fn making(&self, number: &str) -> String {
-        let file = self.input.path.rsplit(['/', '\\']).next().unwrap_or_default();
-        let quote = if file.contains(char::is_whitespace) { "\"" } else { "" };
-        format!("enfilade works {quote}{file}{quote} --make {number}")
+        format!("enfilade works {} --make {number}", self.input.argument())
     }
 
     /// What a room is called in a sentence: its name, else its kind, else its number.

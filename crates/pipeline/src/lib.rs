@@ -157,15 +157,15 @@ fn offered(
     let judges = works::option::Judges { study, trial, objectives: &aims, told: &told };
     let layouts = found.map_or(Vec::new(), Found::layouts);
     let is_wanted = !round.is_asked() && works::options::are_wanted(&study.base);
-    let found = if is_wanted {
+    let chosen = if is_wanted {
         works::options::options(job, judges, (&listed, &layouts, !round.brief.is_empty()), report, cancel)?
     } else {
         Default::default()
     };
-    let objectives = works::options::lowered(told, &found.options, job.settings);
-    let front = briefed::points(round, (found.front, found.drawn), report)?;
+    let objectives = works::options::lowered(told, &chosen.options, job.settings);
+    let front = briefed::points(round, (chosen.front, chosen.drawn), report)?;
     works::options::say_front(&front, job.input.file(), report);
-    let options = found.options.into_iter().map(Arc::new).collect();
+    let options = chosen.options.into_iter().map(Arc::new).collect();
     Ok(Offer { listed, options, front, objectives })
 }
 

@@ -33,8 +33,7 @@ use enfilade_engine::visibility::visibility_graph;
 use enfilade_engine::{Lattice, Obstacles};
 use enfilade_overlay::built::Effort;
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
-use enfilade_overlay::result::FrontPoint;
-use enfilade_overlay::result::{self, Interval, Objective};
+use enfilade_overlay::result::{self, FrontPoint, Interval, Objective};
 use enfilade_overlay::works::{
     BestEntry, ColouredWall, RoomEntry, STEPS, VISIBILITY, WORKS_SCHEMA, WorkEntry, WorkGain, WorksResult,
     works_png,
@@ -323,6 +322,11 @@ fn entries(study: &Study, settings: &Settings, site: &Site<'_>, works: &[&Work])
     works.par_iter().enumerate().map(one).collect()
 }
 
+/// Metres to whole millimetres, never −0.
+fn whole_mm(v: f64) -> f64 {
+    (v * 1e3).round() / 1e3 + 0.0
+}
+
 fn entry(
     study: &Study,
     site: &Site<'_>,
@@ -331,7 +335,6 @@ fn entry(
     gain: BTreeMap<String, WorkGain>,
 ) -> WorkEntry {
     let plan = &study.base.plan;
-    let mm = |v: f64| (v * 1e3).round() / 1e3 + 0.0;
     let sources = work.walls.iter().flat_map(|w| &site.walls[w.0].records);
     let mut wall: Vec<result::ElementRef> = Vec::new();
     for record in sources {
@@ -345,11 +348,11 @@ fn entry(
         id: index + 1,
         kind: work.kind.name().into(),
         wall,
-        stretch: work.stretch.map(|p| plan.frame.drawing_m_from_plan(p).map(mm)),
-        width_m: mm(work.width_m),
+        stretch: work.stretch.map(|p| plan.frame.drawing_m_from_plan(p).map(whole_mm)),
+        width_m: whole_mm(work.width_m),
         rooms: work.rooms.map(|r| r.map(|r| r.0 + 1)),
         gain,
-        effort: Effort { demolished_m: mm(work.demolished_m), built_m: mm(work.built_m) },
+        effort: Effort { demolished_m: whole_mm(work.demolished_m), built_m: whole_mm(work.built_m) },
         is_allowed: work.forbidden_by.is_empty(),
         shows_through_doors: work.shows_through_doors,
         forbidden_by,

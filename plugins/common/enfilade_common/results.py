@@ -69,7 +69,7 @@ class BriefLine:
     verdict: str
     #: As it is asked.
     ask: str
-    #: In words where it is not met, or cannot be told.
+    #: The places that do not meet it, or do not say.
     places: List[str] = field(default_factory=list)
 
     def text(self) -> str:

@@ -40,9 +40,7 @@ pub(super) fn front(html: &mut Html, result: &RoundResult) {
     let keys = told_measures(result);
     html.raw("<section>\n<h2>What more works bring</h2>\n<p class=\"note\">");
     html.text("From the cheapest works to those that show most: of all that were counted, none brings as much for less wall. ");
-    let file = result.input.path.rsplit(['/', '\\']).next().unwrap_or_default();
-    let quote = if file.contains(char::is_whitespace) { "\"" } else { "" };
-    html.words(&format!("To take one: `enfilade accept {quote}{file}{quote} --point NUMBER`."));
+    html.words(&format!("To take one: `enfilade accept {} --point NUMBER`.", result.input.argument()));
     html.raw("</p>\n<div class=\"scroll\"><table class=\"options\">\n<thead><tr>");
     for heading in ["Point".into(), "Works".into()].into_iter().chain(keys.iter().map(|k| plain_name(k))) {
         html.element("th", &[("scope", "col")], &heading);

@@ -30,7 +30,7 @@ pub(crate) const RESERVES: usize = 2;
 /// Share of an option's gain that moves may cost together which are taken back: a tenth is what a fifth wall must bring.
 pub(crate) const STRIPPED: f64 = 0.1;
 /// What the least change brings of the best layout's gain: half of it.
-const LEAST_CHANGE: f64 = 0.5;
+pub(crate) const LEAST_CHANGE: f64 = 0.5;
 /// Points taken for their gain stand at least so far from each other, as a share of the largest distance.
 const APART: f64 = 0.05;
 

@@ -4,10 +4,10 @@ use super::edits::{built_axis, filling, outlines, thickness_m};
 use super::made::{Drawn, Moved, Together};
 use super::option::{BuildingOption, Judges};
 use super::sets::{BEST, Counted, MOST, Sets, front, paying, sort};
-use super::{Floor, Listed, shown};
+use super::{Floor, Listed, shown, whole_mm};
 use crate::confirm::confirmed;
 use crate::confirm::ideas::Experience;
-use crate::confirm::refined::STRIPPED;
+use crate::confirm::refined::{LEAST_CHANGE, STRIPPED};
 use crate::job::Job;
 use crate::measure::parts::stopping;
 use crate::search::judged::{evaluation, gained, is_firm};
@@ -16,8 +16,7 @@ use enfilade_cad::drawing::Filling;
 use enfilade_config::Mode;
 use enfilade_engine::geometry::Segment;
 use enfilade_overlay::built::{BuiltWall, Effort, OptionWork, titles};
-use enfilade_overlay::result::FrontPoint;
-use enfilade_overlay::result::{Gains, Numbers};
+use enfilade_overlay::result::{FrontPoint, Gains, Numbers};
 use enfilade_overlay::works::{LEAST_SHOWN, WorkEntry};
 use enfilade_report::{Cancel, Error, Place, Report};
 use enfilade_works::{Work, WorkKind};
@@ -28,26 +27,29 @@ use rayon::prelude::*;
 const SINGLES: usize = 12;
 /// Sets of two and of three that are, the best: for speed alone.
 const TOGETHER: usize = 5;
-/// What the least change brings of the gain of the best set: half of it.
-const LEAST_CHANGE: f64 = 0.5;
 /// Sets of two and of three that are counted in other sizes, the best: for speed alone.
 const SEEDS: [usize; 2] = [5, 2];
 /// Sizes that each of their works is tried in, as far apart in gain as they go: for speed alone.
 const SIZES: usize = 5;
 /// Points of the front of gain against effort.
 const POINTS: usize = 8;
-/// From one point to the next at least this share of the most is gained: a smaller step is none that somebody would pay for.
+/// From one point to the next at least this share of the most is gained: nobody pays for a smaller step.
 const POINT_STEP: f64 = 0.05;
 
-/// Works that are made together, with what is known of them on the lattice shown.
+/// Works that are made together, with their measures on the lattice shown.
 #[derive(Clone)]
 pub(super) struct Set {
     /// Places in the list, ascending.
     pub(super) works: Vec<usize>,
+    /// Wall that goes and wall that is built, metres.
     pub(super) effort_m: f64,
+    /// What moves besides.
     pub(super) moved: Moved,
+    /// What stops sight with them, drawing frame, micrometres.
     pub(super) lines: Vec<Segment>,
+    /// Sum of the relative gains in all objectives.
     pub(super) gain: f64,
+    /// Means of the layout with them.
     pub(super) mean: Numbers,
     /// Mean degree with it.
     pub(super) degree: f64,
@@ -58,9 +60,31 @@ pub(super) struct Set {
     pub(super) experience: Experience,
 }
 
-/// Metres to whole millimetres, never −0.
-fn whole_mm(v: f64) -> f64 {
-    (v * 1e3).round() / 1e3 + 0.0
+/// Every work that gains alone, the sets of those among which sets are looked for, and the best of these in other sizes: all
+/// that the budget holds, those that show most first.
+///
+/// # Errors
+/// [`Error::Stopped`].
+fn in_sizes(
+    sets: &Sets<'_>,
+    (among, gaining): (&[usize], &[usize]),
+    cancel: &Cancel,
+) -> Result<Vec<Counted>, Error> {
+    let counted = paying(sets.all(among, cancel)?, STRIPPED);
+    let singles = sets.singles(gaining);
+    let mut all = [&counted[..], &singles].concat();
+    let like = |w: &usize| -> Vec<Counted> {
+        singles.iter().filter(|s| sets.joins_same(*w, s.works[0])).cloned().collect()
+    };
+    let sizes = |w: &usize| front(&like(w), 0.0, SIZES).iter().map(|s| s.works[0]).collect();
+    for (count, seeds) in [(2, SEEDS[0]), (3, SEEDS[1])] {
+        for seed in counted.iter().filter(|s| s.works.len() == count).take(seeds) {
+            all.extend(sets.sizes(&seed.works.iter().map(sizes).collect::<Vec<_>>(), cancel)?);
+        }
+    }
+    sort(&mut all);
+    all.retain(|s| sets.is_within(s));
+    Ok(all)
 }
 
 /// Those of sets that gain more than all cheaper ones in what is asked for, the cheapest first.
@@ -133,20 +157,7 @@ impl<'a> Builder<'a> {
         let (among, gaining) = (places(result.different_of(BEST, may)), places(result.gaining(may)));
         let site = self.floor().site(self.judges.study);
         let sets = Sets { site: &site, works: &self.listed.found, budget: self.job.settings.budget };
-        let counted = paying(sets.all(&among, cancel)?, STRIPPED);
-        let singles = sets.singles(&gaining);
-        let mut all = [&counted[..], &singles].concat();
-        for (count, seeds) in [(2, SEEDS[0]), (3, SEEDS[1])] {
-            for seed in counted.iter().filter(|s| s.works.len() == count).take(seeds) {
-                let like = |w: &usize| -> Vec<Counted> {
-                    singles.iter().filter(|s| sets.joins_same(*w, s.works[0])).cloned().collect()
-                };
-                let of = |w: &usize| front(&like(w), 0.0, SIZES).iter().map(|s| s.works[0]).collect();
-                all.extend(sets.sizes(&seed.works.iter().map(of).collect::<Vec<_>>(), cancel)?);
-            }
-        }
-        sort(&mut all);
-        all.retain(|s| sets.is_within(s));
+        let all = in_sizes(&sets, (&among, &gaining), cancel)?;
         let is_whole = |w: &usize| self.work(*w).kind == WorkKind::Remove && !among.contains(w);
         let small = all.iter().filter(|s| !s.works.iter().any(is_whole)).cloned();
         let small = sets.different(paying(small.collect(), STRIPPED));

@@ -25,7 +25,7 @@ pub(crate) fn are_wanted(base: &Understood) -> bool {
 
 /// What was found of works together.
 #[derive(Default)]
-pub(crate) struct Found {
+pub(crate) struct Offered {
     /// The options, the best first; none that reads otherwise than meant.
     pub(crate) options: Vec<BuildingOption>,
     /// The front of gain against effort, the cheapest first.
@@ -44,7 +44,7 @@ pub(crate) fn options(
     (listed, layouts, is_briefed): (&Listed, &[Vec<f64>], bool),
     report: &mut Report,
     cancel: &Cancel,
-) -> Result<Found, Error> {
+) -> Result<Offered, Error> {
     let builder = Builder { job, judges, listed, layouts };
     let wanted = wanted(job.settings);
     builder.say_budget(report);
@@ -72,7 +72,7 @@ pub(crate) fn options(
     tell_apart(&mut made, &mut points);
     let sets: Vec<&Set> = points_sure.iter().map(|p| p.0).collect();
     let drawn = if is_briefed { sets.par_iter().map(|s| builder.drawn(s)).collect() } else { Vec::new() };
-    Ok(Found { options: made, front: points, drawn })
+    Ok(Offered { options: made, front: points, drawn })
 }
 
 /// Says that there are points to choose from.

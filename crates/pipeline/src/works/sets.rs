@@ -21,7 +21,7 @@ pub(super) const BEST: usize = 100;
 const PAIR_EDGES: f64 = 6.0e8;
 /// Pairs to which a third work is added, the best: for speed alone.
 const BEAM: usize = 8;
-/// Works that an option has at most: more is another plan, not a change of this one.
+/// Works that an option has at most: four or more make another plan, and no architect reads them as one idea.
 pub(super) const MOST: usize = 3;
 
 /// A set of works with what it shows.
@@ -33,8 +33,6 @@ pub(super) struct Counted {
     pub gained: i64,
     /// Wall that goes and wall that is built, metres.
     pub effort_m: f64,
-    /// Whether it shows more of a private room while that room's door stands open.
-    pub shows: bool,
 }
 
 /// Where sets are looked for.
@@ -143,15 +141,10 @@ impl Sets<'_> {
 
     fn alone(&self, place: usize) -> Counted {
         let work = &self.works[place];
-        Counted {
-            works: vec![place],
-            gained: work.gained,
-            effort_m: work.demolished_m + work.built_m,
-            shows: work.shows_through_doors,
-        }
+        Counted { works: vec![place], gained: work.gained, effort_m: work.demolished_m + work.built_m }
     }
 
-    /// A set with each of some works, where they go together within the budget.
+    /// A set with each of some works that go together with it.
     fn with_one_more(&self, set: &Counted, more: &[usize], cancel: &Cancel) -> Vec<Counted> {
         let more: Vec<Counted> =
             more.iter().map(|w| self.alone(*w)).filter(|one| self.may_have(set, one)).collect();
@@ -164,12 +157,7 @@ impl Sets<'_> {
             let added = present.gained(&present.difference(&self.works[one.works[0]].change));
             let mut works = [&set.works[..], &one.works].concat();
             works.sort_unstable();
-            Counted {
-                works,
-                gained: set.gained + added,
-                effort_m: set.effort_m + one.effort_m,
-                shows: set.shows || one.shows,
-            }
+            Counted { works, gained: set.gained + added, effort_m: set.effort_m + one.effort_m }
         };
         more.into_iter().map(together).collect()
     }
@@ -261,7 +249,7 @@ mod tests {
     use super::*;
 
     fn counted(works: &[usize], gained: i64, effort_m: f64) -> Counted {
-        Counted { works: works.to_vec(), gained, effort_m, shows: false }
+        Counted { works: works.to_vec(), gained, effort_m }
     }
 
     #[test]

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 /// Sets that moves are added to, the best: for speed alone.
 const MOVED_SETS: usize = 3;
-/// Moves beside works: more are another plan.
+/// Moves beside works: more make another plan.
 const MOVES: usize = 5;
 /// Moves of which the best are sought: for speed alone.
 const STEPS: usize = 40;

@@ -126,7 +126,7 @@ fn broken_limits(round: &Round<'_>, brief: &[BriefItem]) -> Vec<String> {
     let is_limit = |b: &&BriefItem| b.weight == Weight::Limit.name();
     let kept: BTreeSet<&str> =
         round.brief.iter().filter(|b| b.verdict == "pass").map(|b| b.ask.as_str()).collect();
-    // Where a wall between two rooms goes, what was asked of one of them may no longer be told.
+    // Without the wall between two rooms nobody can say what one of them has.
     let lost = newly(&round.brief, brief, "untold").filter(|b| kept.contains(b.ask.as_str()));
     newly(&round.brief, brief, "fail").chain(lost).filter(is_limit).map(|b| b.ask.clone()).collect()
 }
