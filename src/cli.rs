@@ -167,6 +167,9 @@ pub struct Common {
     /// Colours of the heat maps.
     #[arg(long, value_enum)]
     pub colours: Option<ColoursArg>,
+    /// Draw no picture: the numbers alone, sooner. The page of a round then has none either.
+    #[arg(long)]
+    pub no_pictures: bool,
     /// Storey of a building, by name or number from the lowest; by default the one with most walls.
     #[arg(long, value_name = "NAME")]
     pub storey: Option<String>,
@@ -654,6 +657,7 @@ impl Common {
             threads: self.threads,
             out: self.out.as_ref().map(|p| p.to_string_lossy().into_owned()),
             colours: self.colours.map(Into::into),
+            pictures: self.no_pictures.then_some(false),
             storey: self.storey.clone(),
             query: self.query.clone(),
             accept_missing_eof: self.accept_missing_eof.then_some(true),

@@ -192,8 +192,11 @@ fn analyse(args: &AnalyseArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Err
     let placing = Placing { out_dir: out.as_deref().map(named_folder), fallback_dir: None };
     let home = Home::open(Arc::new(SystemDisk), &led_beside(&absolute(&args.file)), &placing)?;
     let input = Input::new(&path, &bytes, 1);
+    let tables_said = [&args.cells, &args.edges].into_iter().flatten().any(|to| is_standard_output(to));
+    let is_told = args.common.json.is_some() || !args.common.quiet && !tables_said;
+    let depth = enfilade_pipeline::Depth { roots: roots_of(args), intervals: is_told };
     let (mut outcome, study) = enfilade_pipeline::on_threads(&settings, || {
-        enfilade_pipeline::analyse_from(&input, &settings, roots_of(args), &mut || clock.is_read(), cancel)
+        enfilade_pipeline::analyse_with(&input, &settings, depth, &mut || clock.is_read(), cancel)
     })?;
     let wants_pictures = !args.measures.is_empty() || !args.step_from.is_empty();
     let mut tables = Vec::new();
@@ -225,7 +228,7 @@ fn analyse(args: &AnalyseArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Err
             write(to, table.as_bytes())?;
         }
     }
-    let is_quiet = args.common.quiet || tables.iter().any(|(to, _)| is_standard_output(to));
+    let is_quiet = args.common.quiet || tables_said;
     if !hand_json(&args.common, &outcome.result)? && !is_quiet {
         let r = &outcome.result;
         let mean = |key| r.mean.get(key).unwrap_or(f64::NAN);
@@ -252,7 +255,8 @@ fn analyse(args: &AnalyseArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Err
             ));
         }
         r.storeys.iter().for_each(|s| say(&storey_line(s)));
-        say(&format!("heat maps: {}", folder.display()));
+        let name = if settings.pictures { "heat maps" } else { "numbers" };
+        say(&format!("{name}: {}", folder.display()));
     }
     tell(&args.common, &outcome.report);
     Ok(exit_code(&outcome.report))
@@ -269,7 +273,8 @@ fn wall_pieces(count: u64) -> String {
 
 /// One storey of a building with several, in a line.
 fn storey_line(s: &StoreyEntry) -> String {
-    let name = format!("storey {:?} at {:.2} m", s.name, s.floor_m);
+    let building = s.building.as_ref().map_or_else(String::new, |b| format!(" of {b:?}"));
+    let name = format!("storey {:?}{building} at {:.2} m", s.name, s.floor_m);
     if let Some(problem) = &s.problem {
         return format!("{name}: {problem}");
     }

@@ -59,6 +59,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # What is shown
 # colours = "safe"                  # for colour-blind eyes; or "blue-to-red"
 # overlay = "drawn"                 # heat maps, notes and traces; or "attach": in a DXF of their own
+# pictures = true                   # false: the numbers alone, sooner
 # out = "results"                   # results go to results/plan.enfilade/, below this file, not beside the drawing
 
 # Moves and regions that are not drawn (they stand in a drawing's own file)

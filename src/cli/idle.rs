@@ -14,12 +14,15 @@ struct Idle {
 }
 
 /// Every such option; help, manual, completions and the refusal all go by it.
-const IDLE: [Idle; 7] = [
+const IDLE: [Idle; 10] = [
     Idle {
         command: "check",
         option: "out",
         instead: "it writes nothing but the picture that --preview names",
     },
+    Idle { command: "check", option: "no_pictures", instead: "it draws none unless --preview names it" },
+    Idle { command: "works", option: "no_pictures", instead: "it draws none unless --preview names it" },
+    Idle { command: "brief", option: "no_pictures", instead: "it draws none unless --preview names it" },
     Idle { command: "resolution", option: "spacing", instead: "--spacings names those that are studied" },
     Idle {
         command: "watch",

@@ -16,6 +16,7 @@ const FORBIDDEN_SHOWN: usize = 3;
 pub(super) fn works(args: &WorksArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
     let settings = settings_for(&args.file, args.common.partial(None))?.0;
+    let settings = Settings { pictures: args.preview.is_some(), ..settings };
     let input = Input::new(&path, &bytes, 1);
     if !args.make.is_empty() {
         return make(args, (&input, &settings), clock, cancel);

@@ -12,9 +12,20 @@ use crate::drawing::Format;
 
 /// The stamps stand in the first bytes of a file.
 const HEAD_BYTES: usize = 1 << 20;
-/// Variables of a DXF's header that change whenever it is saved.
-const VARIABLES: [&[u8]; 7] =
-    [b"$TDCREATE", b"$TDUCREATE", b"$TDUPDATE", b"$TDUUPDATE", b"$TDINDWG", b"$TDUSRTIMER", b"$VERSIONGUID"];
+/// Variables of a DXF's header that change whenever it is saved: times, its number, the next free handle.
+const VARIABLES: [&[u8]; 8] = [
+    b"$TDCREATE",
+    b"$TDUCREATE",
+    b"$TDUPDATE",
+    b"$TDUUPDATE",
+    b"$TDINDWG",
+    b"$TDUSRTIMER",
+    b"$VERSIONGUID",
+    b"$HANDSEED",
+];
+/// The lines before the time at which ezdxf last wrote a file, from its OBJECTS or, in R12, from data of a block.
+const BEFORE_WRITTEN: [&[&[u8]]; 2] =
+    [&[b"DictionaryVariables", b"280", b"0", b"1"], &[b"1000", b"WRITTEN_BY_EZDXF", b"1000"]];
 
 /// SHA-256 of a drawing without the time at which it was written, lower-case hexadecimal; where it has no stamp, that
 /// of its bytes. A packed building is known by what is packed.
@@ -25,7 +36,7 @@ pub fn timeless(path: &Path, bytes: &[u8]) -> String {
     let head = &bytes[..bytes.len().min(HEAD_BYTES)];
     let parts = match format_of(&file, &bytes) {
         Format::Dxf if head.starts_with(BINARY_SENTINEL) => without(&bytes, &binary_variables(head)),
-        Format::Dxf => without(&bytes, &variables(head)),
+        Format::Dxf => without(&bytes, &[variables(head), written(&bytes)].concat()),
         Format::Ifc => {
             let mut stamps: Vec<Range<usize>> = file_name(head).into_iter().collect();
             stamps.extend(owner_histories(&bytes));
@@ -67,6 +78,29 @@ fn variables(head: &[u8]) -> Vec<Range<usize>> {
         }
     }
     out
+}
+
+/// Lines such as `1.4.5 @ 2026-11-27T17:15:10.227587+00:00`, where ezdxf has them.
+fn written(bytes: &[u8]) -> Vec<Range<usize>> {
+    let line_of = |at: usize| {
+        let start = memchr::memrchr(b'\n', &bytes[..at]).map_or(0, |n| n + 1);
+        let end = memchr::memchr(b'\n', &bytes[at..]).map_or(bytes.len(), |n| at + n);
+        start..end
+    };
+    let is_behind = |from: usize, before: &&[&[u8]]| {
+        let mut start = from;
+        before.iter().rev().all(|text| {
+            let Some(line) = start.checked_sub(1).map(line_of) else { return false };
+            start = line.start;
+            bytes[line].trim_ascii() == *text
+        })
+    };
+    let found = memchr::memmem::find_iter(bytes, b" @ ").map(line_of);
+    let is_time = |line: &Range<usize>| {
+        let text = bytes[line.clone()].trim_ascii();
+        text.iter().all(|b| b.is_ascii_digit() || b".@-+:T ab".contains(b))
+    };
+    found.filter(|line| is_time(line) && BEFORE_WRITTEN.iter().any(|b| is_behind(line.start, b))).collect()
 }
 
 /// The values of the variables of a binary file: eight bytes of a number, or a text to its zero.
@@ -224,6 +258,29 @@ mod tests {
             assert_eq!(key(name, &file("2460001.25", "1")), first, "{name}");
             assert_ne!(key(name, &file("2460000.5", "2")), first, "{name}");
         }
+    }
+
+    /// ezdxf says among the objects, or beside a block of R12, when it wrote.
+    #[test]
+    fn times_of_ezdxf_are_stamps() {
+        let new = |time: &str, x: &str| {
+            key(
+                "a.dxf",
+                &format!(
+                    "  0\nDICTIONARYVAR\n100\nDictionaryVariables\n280\n0\n  1\n{time}\n  0\nLINE\n 10\n{x}\n"
+                ),
+            )
+        };
+        let old = |time: &str| {
+            key("a.dxf", &format!("1001\nEZDXF\n1000\nWRITTEN_BY_EZDXF\n1000\n{time}\n  0\nEOF\n"))
+        };
+        let text = |time: &str| key("a.dxf", &format!("  0\nTEXT\n  1\n{time}\n  0\nEOF\n"));
+        let times = ["1.4.5 @ 2026-11-27T17:15:10.227587+00:00", "1.5b1 @ 2026-11-28T07:15:10+00:00"];
+        assert_eq!(new(times[0], "1"), new(times[1], "1"));
+        assert_eq!(old(times[0]), old(times[1]));
+        assert_ne!(new(times[0], "1"), new(times[0], "2"));
+        assert_ne!(new("door @ 1", "1"), new("door @ 2", "1"));
+        assert_ne!(text(times[0]), text(times[1]));
     }
 
     /// A name that only looks like that of a stamp hides nothing that follows it.

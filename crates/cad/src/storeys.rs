@@ -9,6 +9,8 @@ use enfilade_report::{Error, Place, Report, counted};
 pub struct StoreyInfo {
     /// Its name, as `--storey` takes it.
     pub name: String,
+    /// The building that it belongs to, where the file has storeys of several.
+    pub building: Option<String>,
     /// Height of its floor, metres.
     pub floor_m: f64,
     /// Walls that stand in it.
@@ -143,10 +145,16 @@ pub(super) fn state_shared_name(file: &str, storeys: &[StoreyInfo], wanted: &str
     report.warn("storey-name", Place::file(file), text);
 }
 
+/// A storey as messages name it, with its building where there are several.
+pub(super) fn called(name: &str, building: Option<&str>) -> String {
+    building.map_or_else(|| format!("\"{name}\""), |building| format!("\"{name}\" of \"{building}\""))
+}
+
 /// Storeys as a message lists them: the number and the name, both as `--storey` takes them.
 pub fn listed(storeys: &[StoreyInfo]) -> String {
     let of = |(i, s): (usize, &StoreyInfo)| {
-        format!("{} \"{}\" (floor {:.3} m, {})", i + 1, s.name, s.floor_m, counted(s.walls as u64, "wall"))
+        let name = called(&s.name, s.building.as_deref());
+        format!("{} {name} (floor {:.3} m, {})", i + 1, s.floor_m, counted(s.walls as u64, "wall"))
     };
     storeys.iter().enumerate().map(of).collect::<Vec<_>>().join(", ")
 }

@@ -88,6 +88,11 @@ pub enum Backend {
     Gpu,
 }
 
+/// Pictures are drawn where nobody says otherwise.
+fn drawn() -> bool {
+    true
+}
+
 /// One objective with its threshold (spec 7).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObjectiveSetting {
@@ -181,6 +186,7 @@ pub struct Partial {
     pub warm: Option<Vec<Vec<f64>>>,
     pub colours: Option<Colours>,
     pub overlay: Option<Overlay>,
+    pub pictures: Option<bool>,
     pub storey: Option<String>,
     pub query: Option<String>,
     pub accept_missing_eof: Option<bool>,
@@ -300,6 +306,7 @@ impl Partial {
             warm: self.warm.or(base.warm),
             colours: self.colours.or(base.colours),
             overlay: self.overlay.or(base.overlay),
+            pictures: self.pictures.or(base.pictures),
             storey: self.storey.or(base.storey),
             query: self.query.or(base.query),
             accept_missing_eof: self.accept_missing_eof.or(base.accept_missing_eof),
@@ -426,6 +433,9 @@ pub struct Settings {
     /// Where heat maps, notes and traces are drawn.
     #[serde(default, skip_serializing_if = "Overlay::is_drawn")]
     pub overlay: Overlay,
+    /// Whether pictures are drawn beside the numbers.
+    #[serde(default = "drawn", skip_serializing_if = "Clone::clone")]
+    pub pictures: bool,
     /// Storey of a building; `None`: the one with most walls.
     #[serde(default)]
     pub storey: Option<String>,
@@ -575,6 +585,7 @@ impl Settings {
             warm_moves: p.warm_moves,
             colours: p.colours.unwrap_or_default(),
             overlay: p.overlay.unwrap_or_default(),
+            pictures: p.pictures.unwrap_or(true),
             storey: p.storey,
             query: p.query,
             accept_missing_eof: p.accept_missing_eof.unwrap_or(false),

@@ -352,7 +352,8 @@ fn elements(
     let longest = (all[1] - all[0]).max_element();
     let mut found: Vec<Element> = Vec::new();
     let mut posts = 0;
-    let is_orthogonal = furniture::is_orthogonal(plan);
+    let right_angles = furniture::right_angles(plan);
+    let shifts = furniture::shifts(right_angles);
     for walls in clusters.values() {
         let points = || walls.iter().flat_map(|w| &plan.walls[*w as usize].trace.points);
         let [lo, hi] = box_of(points().map(|p| plan.frame.plan_from_um(*p))).unwrap_or_default();
@@ -386,7 +387,7 @@ fn elements(
         // What cannot turn still shifts: no turn is asked of it, as of what is round.
         let is_stiff = walls.iter().any(|w| matches!(editable(w), Editable::WithInsert { turnable: false }));
         let is_round = nodes.len() == 1 || is_stiff;
-        let turn_deg = (!is_round).then_some(if is_orthogonal { RIGHT_DEG } else { TURN_DEG });
+        let turn_deg = (!is_round).then_some(if right_angles.is_some() { RIGHT_DEG } else { TURN_DEG });
         let source = plan.walls[walls[0] as usize].source.clone();
         found.push(Element { bounds: [lo, hi], nodes, turn_deg, source });
     }
@@ -394,7 +395,8 @@ fn elements(
     let size = |e: &Element| (e.bounds[1] - e.bounds[0]).length();
     found.sort_by(|a, b| size(b).total_cmp(&size(a)).then_with(|| a.nodes.cmp(&b.nodes)));
     let named = found.into_iter().enumerate().map(|(i, e)| {
-        let mut group = group(&e.source, e.bounds, plan, element_clauses(e.turn_deg, plan.human_scale));
+        let mut group =
+            group(&e.source, e.bounds, plan, element_clauses(shifts, e.turn_deg, plan.human_scale));
         group.name = format!("element-{}", i + 1);
         (group, e.nodes)
     });
@@ -419,7 +421,7 @@ fn stands_free(walls: &[u32], axes: &AxisGraph, pieces: &[Piece], neighbours: &N
     })
 }
 
-fn element_clauses(turn_deg: Option<f64>, scale: f64) -> Vec<Clause> {
+fn element_clauses(shifts: [Kind; 2], turn_deg: Option<f64>, scale: f64) -> Vec<Clause> {
     let far = SHIFT_M * scale;
     let metres = |kind| Clause { kind, lower: -far, upper: far, unit: "m".into(), si_per_unit: 1.0 };
     let turn = |far: f64| Clause {
@@ -429,7 +431,7 @@ fn element_clauses(turn_deg: Option<f64>, scale: f64) -> Vec<Clause> {
         unit: "deg".into(),
         si_per_unit: 1f64.to_radians(),
     };
-    [metres(Kind::X), metres(Kind::Y)].into_iter().chain(turn_deg.map(turn)).collect()
+    shifts.map(metres).into_iter().chain(turn_deg.map(turn)).collect()
 }
 
 fn group(source: &SourceRef, [lo, hi]: [DVec2; 2], plan: &Plan, clauses: Vec<Clause>) -> Group {

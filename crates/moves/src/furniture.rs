@@ -1,9 +1,12 @@
 //! How an architect moves what stands free: rows as one, askew only where the plan is.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glam::DVec2;
 
 use enfilade_cad::drawing::SourceRef;
 use enfilade_plan::Plan;
+use enfilade_plan::markers::Kind;
 
 /// Walls that run in two directions at right angles: the share of their length from which a plan is one of right angles.
 const ORTHOGONAL_SHARE: f64 = 0.95;
@@ -30,8 +33,9 @@ pub(super) struct Element {
     pub source: SourceRef,
 }
 
-/// Whether nearly all walls of a plan run in two directions at right angles.
-pub(super) fn is_orthogonal(plan: &Plan) -> bool {
+/// The two directions at right angles in which nearly all walls of a plan run, the one nearer to x first; none in
+/// others.
+pub(super) fn right_angles(plan: &Plan) -> Option<[DVec2; 2]> {
     let runs: Vec<DVec2> = plan
         .walls
         .iter()
@@ -42,11 +46,25 @@ pub(super) fn is_orthogonal(plan: &Plan) -> bool {
     let folded = |v: &DVec2| {
         v.try_normalize().map_or(DVec2::ZERO, |u| DVec2::from_angle(4.0 * u.to_angle()) * v.length())
     };
-    let Some(main) = runs.iter().map(folded).sum::<DVec2>().try_normalize() else { return false };
+    let main = runs.iter().map(folded).sum::<DVec2>().try_normalize()?;
     let main = DVec2::from_angle(main.to_angle() / 4.0);
     let total: f64 = runs.iter().map(|v| v.length()).sum();
     let is_along = |v: &&DVec2| v.dot(main).abs().min(v.perp_dot(main).abs()) <= SAME_WAY_SIN * v.length();
-    runs.iter().filter(is_along).map(|v| v.length()).sum::<f64>() >= ORTHOGONAL_SHARE * total
+    let along: Vec<DVec2> = runs.iter().filter(is_along).copied().collect();
+    let share = along.iter().map(|v| v.length()).sum::<f64>() / total;
+    // The longest tells its direction best.
+    let longest = along.into_iter().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
+    let quarters = (longest.to_angle() / FRAC_PI_2).round();
+    let x = DVec2::from_angle(longest.to_angle() - quarters * FRAC_PI_2);
+    (share >= ORTHOGONAL_SHARE).then_some([x, x.perp()])
+}
+
+/// How what stands free shifts: with the walls of the plan, by x and y where they run so or in all directions.
+pub(super) fn shifts(walls: Option<[DVec2; 2]>) -> [Kind; 2] {
+    match walls.filter(|[x, _]| x.y.abs() > SAME_WAY_SIN) {
+        Some(ways) => ways.map(|way| Kind::Along(way.to_angle())),
+        None => [Kind::X, Kind::Y],
+    }
 }
 
 /// The elements with those of one row as one, which does not turn.

@@ -478,6 +478,9 @@ pub struct AnalysisResult {
 pub struct StoreyEntry {
     /// Its name, as `--storey` takes it.
     pub name: String,
+    /// The building that it belongs to, where the file has storeys of several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub building: Option<String>,
     /// Height of its floor, metres.
     pub floor_m: f64,
     /// Folder of its files beside the result: `.` for the storey the result is about, none where nothing

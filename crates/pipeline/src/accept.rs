@@ -341,6 +341,7 @@ fn side_car(
         warm: (!known.is_empty()).then_some(known),
         colours: Some(settings.colours),
         overlay: Some(settings.overlay),
+        pictures: None,
         storey: settings.storey.clone(),
         query: settings.query.clone(),
         accept_missing_eof: Some(settings.accept_missing_eof),

@@ -20,25 +20,39 @@ pub fn analyse(
     settings: &Settings,
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
-    analyse_from(input, settings, None, &mut || {}, cancel)
+    analyse_with(input, settings, Depth::default(), &mut || {}, cancel)
 }
 
-/// [`analyse`] with breadth-first trees of about so many roots: what is told of depth and entropy is estimated.
-/// `understood` is called once the drawing is, before it is measured.
+/// How thoroughly the present layout is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Depth {
+    /// Breadth-first trees of about so many roots, from which depth and entropy are estimated; none: from every cell.
+    pub roots: Option<usize>,
+    /// Whether other lattices tell how sure the means are; not where they are estimated.
+    pub intervals: bool,
+}
+
+impl Default for Depth {
+    fn default() -> Self {
+        Self { roots: None, intervals: true }
+    }
+}
+
+/// [`analyse`], as thoroughly as is asked. `understood` is called once the drawing is, before it is measured.
 ///
 /// # Errors
 /// As [`analyse`].
-pub fn analyse_from(
+pub fn analyse_with(
     input: &Input<'_>,
     settings: &Settings,
-    roots: Option<usize>,
+    Depth { roots, intervals }: Depth,
     understood: &mut (dyn FnMut() + Send),
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
     let settings = &*read::query::on_storey_of_query(input, settings)?;
     let job = Job { input, settings };
     let (mut outcome, study) = analyse_storey(job, roots, understood, cancel)?;
-    if roots.is_none() {
+    if intervals && roots.is_none() {
         outcome.result.estimate = estimate::present(&study, settings);
         tell_anew(&mut outcome)?;
     }
@@ -62,7 +76,7 @@ pub(crate) fn add_storeys(
     Ok(true)
 }
 
-/// Adds the columns that were asked for to an analysis: their means and a heat map of each.
+/// Adds the columns that were asked for to an analysis: their means and, where pictures are drawn, a heat map of each.
 ///
 /// # Errors
 /// Where a picture cannot be drawn.
@@ -72,12 +86,14 @@ pub fn add_columns(
     (study, measured): (&Study, &cells::Measured),
     outcome: &mut Outcome<AnalysisResult>,
 ) -> Result<(), Error> {
-    outcome.files.extend(column_pictures(Job { input, settings }, study, measured)?);
+    if settings.pictures {
+        outcome.files.extend(column_pictures(Job { input, settings }, study, measured)?);
+    }
     outcome.result.columns = cells::means(study, measured);
     tell_anew(outcome)
 }
 
-/// Reads a drawing and measures its present layout as [`analyse_from`] does, and draws nothing: for whoever asks for
+/// Reads a drawing and measures its present layout as [`analyse_with`] does, and draws nothing: for whoever asks for
 /// values alone. Of a building with several storeys the one that is analysed.
 ///
 /// # Errors

@@ -60,7 +60,7 @@ use understand::fits;
 use works::Offer;
 use write::briefed;
 
-pub use analyse::{add_columns, analyse, analyse_from, measure};
+pub use analyse::{Depth, add_columns, analyse, analyse_with, measure};
 pub use check::{Extras, check, check_with};
 pub use job::{Event, Input, Keep, Outcome, Progress, on_threads};
 pub use measure::cells;

@@ -170,11 +170,13 @@ pub fn resolution(
         problems: report.problems.iter().map(Into::into).collect(),
         rows,
     };
-    let files = vec![
+    let mut files = vec![
         OutFile::new("resolution.json", result::to_json(&result)?),
         OutFile::new("resolution.csv", csv(&result.rows)),
-        OutFile::new("resolution.png", plot(&result)?),
     ];
+    if settings.pictures {
+        files.push(OutFile::new("resolution.png", plot(&result)?));
+    }
     Ok(Outcome { result, files, report })
 }
 

@@ -60,6 +60,7 @@ fn folder_of(index: usize) -> String {
 fn entry(storey: &StoreyInfo, base: &Understood, folder: &str, mean: Numbers) -> StoreyEntry {
     StoreyEntry {
         name: storey.name.clone(),
+        building: storey.building.clone(),
         floor_m: storey.floor_m,
         folder: Some(folder.into()),
         walls: base.plan.walls.len() as u64,
@@ -82,6 +83,7 @@ fn of_elements(storey: &StoreyInfo, own: &Report, whole: &mut Report) -> Vec<Pro
 fn failed(storey: &StoreyInfo, error: &Error) -> StoreyEntry {
     StoreyEntry {
         name: storey.name.clone(),
+        building: storey.building.clone(),
         floor_m: storey.floor_m,
         problem: Some(error.to_string()),
         ..StoreyEntry::default()

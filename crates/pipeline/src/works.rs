@@ -83,8 +83,8 @@ pub fn works_of(
 pub(crate) struct Listed {
     /// The list.
     pub result: WorksResult,
-    /// `works.png`.
-    pub picture: Vec<u8>,
+    /// `works.png`, where pictures are drawn.
+    pub picture: Option<Vec<u8>>,
     /// Every wall with the best that an opening in it would bring.
     pub walls: Vec<ColouredWall>,
     /// What they were looked for on.
@@ -111,8 +111,9 @@ impl Listed {
     /// # Errors
     /// Where the list cannot be written as JSON.
     pub fn files(&self) -> Result<Vec<OutFile>, Error> {
+        let picture = self.picture.iter().map(|png| OutFile::new("works.png", png.clone()));
         let json = OutFile::new("works.json", result::to_json(&self.result)?);
-        Ok(vec![json, OutFile::new("works.png", self.picture.clone())])
+        Ok(std::iter::once(json).chain(picture).collect())
     }
 }
 
@@ -175,7 +176,7 @@ impl Floor {
     }
 }
 
-/// The works of a study, with their picture.
+/// The works of a study, with their picture where pictures are drawn.
 ///
 /// # Errors
 /// [`Error::Stopped`]; where the picture cannot be drawn.
@@ -202,10 +203,12 @@ pub(crate) fn of_study(
         best: BestEntry { single: single.map(|e| e.id), tried: found.tried, legal: found.legal },
         works: entries,
     };
-    let shown = show::check_picture(base, &floor.sensed, &floor.known);
     let walls = coloured(site, &found.works);
-    let title = ("What an opening would bring", input.file());
-    let picture = works_png(&shown, &walls, title, DEFAULT_SIDE_PX)?;
+    let drawn = || {
+        let shown = show::check_picture(base, &floor.sensed, &floor.known);
+        works_png(&shown, &walls, ("What an opening would bring", input.file()), DEFAULT_SIDE_PX)
+    };
+    let picture = settings.pictures.then(drawn).transpose()?;
     let found = listed.into_iter().cloned().collect();
     Ok(Listed { result, picture, walls, floor, found })
 }

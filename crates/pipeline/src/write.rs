@@ -117,15 +117,18 @@ pub(crate) fn write(
         result.stopped_by = "nothing may move: building works were measured".into();
     }
     let shown: Vec<&Made> = made.iter().chain(&best).collect();
-    let mut files = files::pictures(job, study, &shown)?;
-    files.extend(files::drawings(job, study, (&shown, works), &result)?);
+    let mut files = files::drawings(job, study, (&shown, works), &result)?;
     files.extend(beside::side_cars(study, settings, &shown)?);
-    files.push(OutFile::new("convergence.png", files::convergence(found)?));
-    files.push(OutFile::new("diversity.png", files::diversity(study, &made)?));
-    let rooms = rooms_with_kinds(&study.base, sensed, job.settings)?;
-    let understood = check_picture::check_picture(&study.base, sensed, &rooms)?;
+    let mut understood = None;
+    if settings.pictures {
+        files.extend(files::pictures(job, study, &shown)?);
+        files.push(OutFile::new("convergence.png", files::convergence(found)?));
+        files.push(OutFile::new("diversity.png", files::diversity(study, &made)?));
+        let rooms = rooms_with_kinds(&study.base, sensed, job.settings)?;
+        understood = Some(check_picture::check_picture(&study.base, sensed, &rooms)?);
+    }
     let maps = maps::maps(study);
-    let page = page::page(job, &result, (&files, &maps), (&understood, works), (found, &made));
+    let page = page::page(job, &result, (&files, &maps), (understood.as_deref(), works), (found, &made));
     files.extend(works.map(Listed::files).transpose()?.into_iter().flatten());
     files.push(OutFile::new("report.html", page));
     files.push(OutFile::new("result.json", result::to_json(&result)?));

@@ -96,7 +96,7 @@ def arguments(drawing: str, keeps_best: bool = False) -> List[str]:
 def cells_arguments(drawing: str, folder: str, level: str, unit: str, spacing_m: float, centre) -> List[str]:
     """Arguments that measure the cells of a drawing and print them as a table, on the cells of a round."""
     grid = [f"--spacing={spacing_m!r}", f"--lattice-centre={centre[0]!r},{centre[1]!r}"]
-    return ["analyse", drawing, "--level", level, "--unit", unit, *grid, "--out", folder, "--cells", "-", "--quiet"]
+    return ["analyse", drawing, "--level", level, "--unit", unit, *grid, "--out", folder, "--cells", "-", "--quiet", "--no-pictures"]
 
 
 @dataclass

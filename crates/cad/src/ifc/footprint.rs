@@ -58,6 +58,11 @@ impl Footprint {
         runs.filter(|run| *run != DVec2::ZERO).any(|run| run.normalize().perp_dot(along).abs() <= sin)
     }
 
+    /// Two corners of the box round it.
+    pub fn extent(&self) -> [DVec2; 2] {
+        self.extent
+    }
+
     /// Its rings.
     pub fn rings(&self) -> &[Vec<DVec2>] {
         &self.rings

@@ -16,6 +16,7 @@ mod alike;
 mod body;
 mod building;
 mod clean;
+mod floors;
 mod footprint;
 mod geo;
 mod heights;
@@ -234,6 +235,7 @@ fn storeys(building: &Building<'_, '_>) -> Vec<StoreyInfo> {
     let metres = building.geo.metres;
     let storey = |s: &model::Storey| StoreyInfo {
         name: s.name.clone(),
+        building: building.building_name(s),
         floor_m: s.floor * metres,
         walls: s.walls,
         top_m: s.top.map(|top| top * metres),

@@ -70,6 +70,12 @@ pub(super) struct Storey {
     pub name: String,
     /// Height of its floor, file units.
     pub floor: f64,
+    /// `Elevation`, file units, where its placement says another height.
+    pub elevation: Option<f64>,
+    /// Where it is placed, file units, where the floor was taken from its elevation instead.
+    pub placed: Option<f64>,
+    /// The building that it is a storey of.
+    pub building: Option<u64>,
     /// Walls that stand in it.
     pub walls: usize,
     /// Highest point of its own walls and columns, file units, see [`StoreyInfo::top_m`].
@@ -162,9 +168,9 @@ impl Model {
         for (one, many) in pairs(step, "IFCRELFILLSELEMENT", 4, 5) {
             self.fillings.entry(one).or_default().extend(many);
         }
-        for (one, many) in
-            pairs(step, "IFCRELAGGREGATES", 4, 5).into_iter().chain(pairs(step, "IFCRELNESTS", 4, 5))
-        {
+        // What is added to a wall, a pier or a chimney breast, is a part of it as it stands.
+        let wholes = ["IFCRELAGGREGATES", "IFCRELNESTS", "IFCRELPROJECTSELEMENT"];
+        for (one, many) in wholes.into_iter().flat_map(|relation| pairs(step, relation, 4, 5)) {
             self.whole.extend(many.iter().map(|m| (*m, one)));
             self.parts.entry(one).or_default().extend(many);
         }
@@ -297,6 +303,12 @@ impl Model {
         None
     }
 
+    /// The building that a storey, or a part of one, belongs to.
+    fn building_of(&self, step: &Step<'_>, storey: u64) -> Option<u64> {
+        let mut up = std::iter::successors(Some(storey), |at| self.whole.get(at).copied()).take(32);
+        up.find(|at| step.keyword(*at) == "IFCBUILDING")
+    }
+
     fn storeys(&self, step: &Step<'_>, geo: &Geo<'_, '_>) -> Vec<Storey> {
         let mut out: Vec<Storey> = step
             .all("IFCBUILDINGSTOREY")
@@ -305,11 +317,14 @@ impl Model {
                 let name = args.get(2).and_then(|a| step.text(a)).filter(|n| !n.trim().is_empty());
                 let placed = args.get(5).and_then(Arg::id).and_then(|p| geo.placement(p).ok());
                 let stated = args.get(9).and_then(Arg::number);
-                let floor = placed.map(|m| m.translation.z).or(stated).unwrap_or(0.0);
+                let placed = placed.map(|m| m.translation.z);
                 Storey {
                     id: i.id,
                     name: name.unwrap_or_else(|| format!("#{}", i.id)),
-                    floor,
+                    floor: placed.or(stated).unwrap_or(0.0),
+                    elevation: stated.filter(|s| placed.is_some_and(|p| p != *s)),
+                    placed: None,
+                    building: self.building_of(step, i.id),
                     walls: 0,
                     top: None,
                 }

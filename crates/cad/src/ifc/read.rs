@@ -1,5 +1,6 @@
 //! One storey of a building as a plan: every element cut at the height of the eyes.
 
+mod covered;
 mod north;
 mod slots;
 mod told;
@@ -28,7 +29,7 @@ use crate::own_layers::DEMOLISHED;
 use crate::phase::Phase;
 use crate::region::{Region, Rule};
 use crate::sizes::Verdict;
-use crate::storeys::{is_over, refuse_without_own, state_shared_name};
+use crate::storeys::{called, is_over, refuse_without_own, state_shared_name};
 use crate::units::by_heights;
 use crate::{SpaceNames, listed, main_storey, no_storey, storey_at};
 use enfilade_report::{Error, Place, Report};
@@ -69,6 +70,7 @@ impl<'s, 'a> Building<'s, 'a> {
             }
             (None, Some(stated)) => out.hold_against_sizes(stated),
         }
+        out.settle_floors();
         out.measure_tops();
         out
     }
@@ -150,8 +152,8 @@ impl<'s, 'a> Building<'s, 'a> {
             && list.len() > 1
         {
             let text = format!(
-                "storeys: {names}; \"{}\" has the most walls and was taken, --storey NAME takes another",
-                chosen.name
+                "storeys: {names}; {} has the most walls and was taken, --storey NAME takes another",
+                called(&chosen.name, self.building_name(chosen).as_deref())
             );
             report.info("storey", Place::file(self.file), text);
         }
@@ -194,6 +196,9 @@ pub(super) fn read_storey(
         refuse_without_own(file, &super::storeys(building), index, options.sight.above_m())?;
     }
     let mut reader = Reader::new(building, storey, options);
+    if let Some(storey) = storey {
+        building.state_floor(storey, &reader.beside, report);
+    }
     reader.walls(report);
     reader.spaces(report);
     let shown: HashSet<u64> = reader.entities.iter().map(|e| e.source.record as u64).collect();
@@ -255,6 +260,8 @@ struct Reader<'b, 's, 'a> {
     floor: f64,
     cut: f64,
     storey: Option<u64>,
+    /// Storeys of buildings that stand elsewhere.
+    beside: HashSet<u64>,
     entities: Vec<Entity>,
     texts: Vec<Text>,
     marked: Vec<MarkedMove>,
@@ -321,6 +328,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             floor,
             cut,
             storey: storey.map(|s| s.id),
+            beside: storey.map(|s| b.storeys_beside(s.id)).unwrap_or_default(),
             entities: Vec::new(),
             texts: Vec::new(),
             marked: Vec::new(),
@@ -346,9 +354,11 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
 
     fn walls(&mut self, report: &mut Report) {
         let b = self.b;
-        let shown: Vec<&'b Product> =
-            b.model.products.iter().filter(|p| p.class != "IfcSpace" && !self.is_part_of_shown(p)).collect();
+        let is_shown =
+            |p: &&Product| p.class != "IfcSpace" && !self.is_part_of_shown(p) && !self.is_beside(p.id);
+        let shown: Vec<&'b Product> = b.model.products.iter().filter(is_shown).collect();
         let cuts: Vec<Result<ElementCut<'b>, Why>> = shown.par_iter().map(|p| self.element(p)).collect();
+        self.state_covered(&shown, &cuts, report);
         for (p, cut) in shown.into_iter().zip(cuts) {
             match cut {
                 Ok(cut) => self.show(p, cut, report),
@@ -399,6 +409,11 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             self.emit(p, p.class, &cut.region);
             self.bar = None;
         }
+    }
+
+    /// Whether an element belongs to a building that stands elsewhere.
+    fn is_beside(&self, id: u64) -> bool {
+        !self.beside.is_empty() && self.b.model.storey_of(id).is_some_and(|s| self.beside.contains(&s))
     }
 
     /// Members and plates of a curtain wall are shown with it.
@@ -554,7 +569,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     /// Doors and windows that fill no opening: a box round their cut.
     fn loose_fillers(&mut self) {
         for p in &self.b.model.fillers {
-            if self.plugged.contains(&p.id) {
+            if self.plugged.contains(&p.id) || self.is_beside(p.id) {
                 continue;
             }
             let Some(Ok(frame)) = p.shape.map(|_| self.frame(p.placement)) else { continue };

@@ -3,7 +3,8 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use super::raster::{LOOKS, Raster};
+use super::enclosure::LOOKS;
+use super::raster::Raster;
 
 /// Two parts are one where the way between them is at least this share as wide as the narrower of them.
 const NECK_SHARE: f64 = 0.9;
@@ -121,8 +122,7 @@ fn ordered(a: u32, b: u32) -> [u32; 2] {
 
 /// Watersheds of the distance from the walls: a part for every place that is wider than what leads to it. Their number too.
 fn basins(raster: &Raster, to_wall: &[f32]) -> (Vec<u32>, usize) {
-    let mut order: Vec<u32> = (0..to_wall.len() as u32).filter(|i| !raster.wall[*i as usize]).collect();
-    order.sort_unstable_by(|a, b| to_wall[*b as usize].total_cmp(&to_wall[*a as usize]).then(a.cmp(b)));
+    let order = farthest_first(raster, to_wall);
     let mut label = vec![NONE; to_wall.len()];
     let (mut root, mut peak): (Vec<u32>, Vec<f32>) = (Vec::new(), Vec::new());
     for i in order {
@@ -164,6 +164,26 @@ fn basins(raster: &Raster, to_wall: &[f32]) -> (Vec<u32>, usize) {
         *l = number[top];
     }
     (label, count as usize)
+}
+
+/// The free pixels, those farthest from the walls first, of equal ones the first: sorted by counting, as the squares of
+/// distances are whole and small.
+fn farthest_first(raster: &Raster, to_wall: &[f32]) -> Vec<u32> {
+    let square = |i: usize| f64::from(to_wall[i]).powi(2).round() as usize;
+    let free = || (0..to_wall.len()).filter(|i| !raster.wall[*i]);
+    let mut starts = vec![0_u32; free().map(square).max().map_or(0, |most| most + 1)];
+    free().for_each(|i| starts[square(i)] += 1);
+    let mut sum = 0;
+    for start in starts.iter_mut().rev() {
+        (*start, sum) = (sum, sum + *start);
+    }
+    let mut order = vec![0; sum as usize];
+    for i in free() {
+        let start = &mut starts[square(i)];
+        order[*start as usize] = i as u32;
+        *start += 1;
+    }
+    order
 }
 
 fn find(root: &mut [u32], mut i: u32) -> u32 {

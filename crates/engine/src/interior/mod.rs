@@ -6,9 +6,11 @@
 
 mod cavity;
 mod cut;
+mod enclosure;
 mod raster;
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use crate::geometry::{PointUm, Segment, Side, UM_PER_M, side_of_ring};
 use cut::{Parts, Terms};
@@ -30,7 +32,8 @@ pub struct Interior {
     cavity: Vec<bool>,
     /// What may belong to the building.
     outline: Vec<bool>,
-    outside_far: Vec<f32>,
+    /// Distance of every pixel to what lies outside, once it is asked for.
+    outside_far: OnceLock<Vec<f32>>,
     has_room: bool,
 }
 
@@ -62,7 +65,7 @@ impl Interior {
             inside,
             cavity,
             outline,
-            outside_far: Vec::new(),
+            outside_far: OnceLock::new(),
             has_room: false,
         };
         Some(Self { is_as_drawn, ..out.counted_again() })
@@ -100,8 +103,7 @@ impl Interior {
 
     /// The same after some of its pixels were taken in or out.
     fn counted_again(mut self) -> Self {
-        let outside: Vec<bool> = self.inside.iter().map(|i| !i).collect();
-        self.outside_far = self.raster.distance(&outside);
+        self.outside_far = OnceLock::new();
         self.has_room =
             (0..self.inside.len()).any(|i| self.inside[i] && !self.cavity[i] && !self.raster.wall[i]);
         self.is_as_drawn = false;
@@ -184,9 +186,12 @@ impl Interior {
 
     /// Distance to the nearest point outside the building, metres; 0 outside.
     pub fn depth_m(&self, p: PointUm) -> f64 {
-        self.raster
-            .at(p)
-            .map_or(0.0, |i| f64::from(self.outside_far[i]) * self.raster.pixel_um as f64 / UM_PER_M)
+        let outside_far = self.outside_far.get_or_init(|| {
+            let outside: Vec<bool> = self.inside.iter().map(|i| !i).collect();
+            self.raster.distance(&outside)
+        });
+        let far = |i: usize| f64::from(outside_far[i]) * self.raster.pixel_um as f64 / UM_PER_M;
+        self.raster.at(p).map_or(0.0, far)
     }
 
     /// Whether anything but walls and the cavities in them is enclosed.

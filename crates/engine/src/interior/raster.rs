@@ -74,7 +74,9 @@ impl Raster {
 
     /// The neighbours of a pixel, each with the step that leads on from there.
     pub fn around(&self, i: usize) -> impl Iterator<Item = (usize, isize)> + use<> {
-        let (c, r, row) = (i / self.rows, i % self.rows, self.rows as isize);
+        // Divisions of 32 bits take a fraction of the time, and no raster has so many pixels.
+        let (c, r) = ((i as u32 / self.rows as u32) as usize, (i as u32 % self.rows as u32) as usize);
+        let row = self.rows as isize;
         let all = [(c > 0, -row), (c + 1 < self.cols, row), (r > 0, -1), (r + 1 < self.rows, 1)];
         all.into_iter().filter(|a| a.0).map(move |(_, step)| (i.wrapping_add_signed(step), step))
     }
@@ -112,108 +114,90 @@ impl Raster {
     pub fn distance(&self, marked: &[bool]) -> Vec<f32> {
         let (cols, rows) = (self.cols, self.rows);
         let far = ((cols + rows) * (cols + rows)) as f64;
-        let mut grid: Vec<f64> = marked.iter().map(|m| if *m { 0.0 } else { far }).collect();
-        for column in grid.chunks_mut(rows) {
-            let squared = lower_envelope(column);
-            column.copy_from_slice(&squared);
+        let mut grid: Vec<f64> = vec![far; marked.len()];
+        for (column, marked) in grid.chunks_mut(rows).zip(marked.chunks(rows)) {
+            along_column(column, marked);
         }
-        let mut line = vec![0.0; cols];
-        for r in 0..rows {
-            for c in 0..cols {
-                line[c] = grid[c * rows + r];
+        let mut out = vec![0.0; marked.len()];
+        // Several rows at a time, as those of a column lie side by side in memory.
+        let mut lines = vec![0.0; ROWS_AT_ONCE * cols];
+        let mut envelope = Envelope::new(cols);
+        for first in (0..rows).step_by(ROWS_AT_ONCE) {
+            let n = ROWS_AT_ONCE.min(rows - first);
+            for (c, column) in grid.chunks(rows).enumerate() {
+                for (k, v) in column[first..first + n].iter().enumerate() {
+                    lines[k * cols + c] = *v;
+                }
             }
-            for (c, v) in lower_envelope(&line).into_iter().enumerate() {
-                grid[c * rows + r] = v;
+            lines.chunks_mut(cols).take(n).for_each(|line| envelope.lower(line));
+            for (c, column) in out.chunks_mut(rows).enumerate() {
+                for (k, v) in column[first..first + n].iter_mut().enumerate() {
+                    *v = lines[k * cols + c].sqrt() as f32;
+                }
             }
-        }
-        grid.into_iter().map(|v| v.sqrt() as f32).collect()
-    }
-
-    /// In how many of [`LOOKS`] directions a wall hides the border from each pixel.
-    pub fn enclosure(&self) -> Vec<u8> {
-        let mut out = vec![0_u8; self.wall.len()];
-        for d in LOOKS {
-            self.look(d, &mut out);
         }
         out
     }
+}
 
-    /// Adds one to all pixels from which a wall is met in a direction.
-    fn look(&self, [dx, dy]: [isize; 2], out: &mut [u8]) {
-        let (cols, rows) = (self.cols as isize, self.rows as isize);
-        let mut hit = vec![false; self.wall.len()];
-        // A long step passes between two pixels: both together hide what is behind.
-        let unit = [dx.signum(), dy.signum()];
-        let between = match (dx.abs(), dy.abs()) {
-            (2, 1) => Some([[unit[0], 0], unit]),
-            (1, 2) => Some([[0, unit[1]], unit]),
-            (1, 1) => Some([[unit[0], 0], [0, unit[1]]]),
-            _ => None,
-        };
-        let order = |n: isize, back: bool| (0..n).map(move |k| if back { k } else { n - 1 - k });
-        for c in order(cols, dx < 0) {
-            for r in order(rows, dy < 0) {
-                let (x, y) = (c + dx, r + dy);
-                if x < 0 || y < 0 || x >= cols || y >= rows {
-                    continue;
-                }
-                let (own, next) = ((c * rows + r) as usize, (x * rows + y) as usize);
-                let is_wall = |[dx, dy]: [isize; 2]| self.wall[((c + dx) * rows + r + dy) as usize];
-                let is_hidden =
-                    self.wall[next] || hit[next] || between.is_some_and(|[p, q]| is_wall(p) && is_wall(q));
-                hit[own] = is_hidden;
-                out[own] += u8::from(is_hidden);
-            }
+/// Rows whose pixels are gathered together.
+const ROWS_AT_ONCE: usize = 8;
+
+/// Squared distance of every pixel of a column to the nearest marked one of it; as it was where none is marked.
+fn along_column(column: &mut [f64], marked: &[bool]) {
+    let mut last = None;
+    for (r, v) in column.iter_mut().enumerate() {
+        last = if marked[r] { Some(r) } else { last };
+        if let Some(at) = last {
+            *v = ((r - at) * (r - at)) as f64;
+        }
+    }
+    let mut next = None;
+    for (r, v) in column.iter_mut().enumerate().rev() {
+        next = if marked[r] { Some(r) } else { next };
+        if let Some(at) = next {
+            *v = v.min(((at - r) * (at - r)) as f64);
         }
     }
 }
 
-/// Directions in which it is looked.
-pub const LOOKS: [[isize; 2]; 16] = [
-    [1, 0],
-    [2, 1],
-    [1, 1],
-    [1, 2],
-    [0, 1],
-    [-1, 2],
-    [-1, 1],
-    [-2, 1],
-    [-1, 0],
-    [-2, -1],
-    [-1, -1],
-    [-1, -2],
-    [0, -1],
-    [1, -2],
-    [1, -1],
-    [2, -1],
-];
+/// The lower envelope of parabolas over a line, with the memory for it.
+struct Envelope {
+    /// Where the parabolas stand that are lowest somewhere, what each has there, and from where on it is the lowest.
+    at: Vec<usize>,
+    height: Vec<f64>,
+    from: Vec<f64>,
+}
 
-fn lower_envelope(f: &[f64]) -> Vec<f64> {
-    let n = f.len();
-    let (mut v, mut z) = (vec![0usize; n], vec![0.0; n + 1]);
-    let mut k = 0;
-    (z[0], z[1]) = (f64::NEG_INFINITY, f64::INFINITY);
-    let crossing = |q: usize, p: usize| {
-        ((f[q] + (q * q) as f64) - (f[p] + (p * p) as f64)) / (2.0 * q as f64 - 2.0 * p as f64)
-    };
-    for q in 1..n {
-        let mut s = crossing(q, v[k]);
-        while s <= z[k] {
-            k -= 1;
-            s = crossing(q, v[k]);
-        }
-        k += 1;
-        v[k] = q;
-        z[k] = s;
-        z[k + 1] = f64::INFINITY;
+impl Envelope {
+    fn new(n: usize) -> Self {
+        Self { at: vec![0; n], height: vec![0.0; n], from: vec![0.0; n + 1] }
     }
-    k = 0;
-    (0..n)
-        .map(|q| {
-            while z[k + 1] < q as f64 {
+
+    /// Of every place the least of all parabolas `f[q] + (x - q)²`.
+    fn lower(&mut self, f: &mut [f64]) {
+        let Self { at, height, from } = self;
+        let mut k = 0;
+        (at[0], height[0]) = (0, f[0]);
+        (from[0], from[1]) = (f64::NEG_INFINITY, f64::INFINITY);
+        for (q, here) in f.iter().enumerate().skip(1) {
+            let own = here + (q * q) as f64;
+            let crossing = |p: usize, of_p: f64| (own - (of_p + (p * p) as f64)) / (2.0 * (q - p) as f64);
+            let mut s = crossing(at[k], height[k]);
+            while s <= from[k] {
+                k -= 1;
+                s = crossing(at[k], height[k]);
+            }
+            k += 1;
+            (at[k], height[k], from[k]) = (q, *here, s);
+            from[k + 1] = f64::INFINITY;
+        }
+        k = 0;
+        for (q, v) in f.iter_mut().enumerate() {
+            while from[k + 1] < q as f64 {
                 k += 1;
             }
-            (q as f64 - v[k] as f64).powi(2) + f[v[k]]
-        })
-        .collect()
+            *v = (q as f64 - at[k] as f64).powi(2) + height[k];
+        }
+    }
 }

@@ -22,8 +22,17 @@ pub(crate) fn analysis_of(
 ) -> Result<Outcome<AnalysisResult>, Error> {
     let Job { input, settings } = job;
     let result = analysis_result(input, study, &report);
-    let picture = show::picture(&study.base);
     let mut files = vec![OutFile::new("analysis.json", result::to_json(&result)?)];
+    if settings.pictures {
+        files.extend(pictures(job, study)?);
+    }
+    Ok(Outcome { result, files, report })
+}
+
+/// A heat map of every measure, and what was understood.
+fn pictures(Job { input, settings }: Job<'_>, study: &Study) -> Result<Vec<OutFile>, Error> {
+    let picture = show::picture(&study.base);
+    let mut files = Vec::new();
     let mut jobs = maps::maps(study);
     jobs.retain(|m| m.measure.is_of_cells() && (study.roots.is_none() || !aims::is_of_trees(m.measure)));
     let pictures: Vec<_> = jobs
@@ -43,7 +52,7 @@ pub(crate) fn analysis_of(
         "check.png",
         check_picture(&study.base, &sensed, &rooms_with_kinds(&study.base, &sensed, settings)?)?,
     ));
-    Ok(Outcome { result, files, report })
+    Ok(files)
 }
 
 pub(crate) fn analysis_result(input: &Input<'_>, study: &Study, report: &Report) -> AnalysisResult {

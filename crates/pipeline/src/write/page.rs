@@ -21,7 +21,7 @@ pub(crate) fn page(
     job: Job<'_>,
     result: &RoundResult,
     (files, maps): (&[OutFile], &[Map]),
-    (understood, works): (&[u8], Option<&Listed>),
+    (understood, works): (Option<&[u8]>, Option<&Listed>),
     (found, made): (Option<&Found>, &[Made]),
 ) -> String {
     let Job { input, settings } = job;
@@ -42,9 +42,9 @@ pub(crate) fn page(
         best: views("best"),
         diversity: png("diversity.png").filter(|_| !result.candidates.is_empty()),
         convergence: png("convergence.png").filter(|_| found.is_some()),
-        understood: Some(understood),
+        understood,
         works: works.map(|w| &w.result),
-        works_picture: works.map(|w| w.picture.as_slice()),
+        works_picture: works.and_then(|w| w.picture.as_deref()),
         archive_axes,
         archive,
         command: &command(input, settings, result),

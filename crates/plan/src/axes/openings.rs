@@ -297,8 +297,11 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Whether the wall of a free end is joined to something at its other end.
+    /// Whether the wall of a free end is joined to something at its other end, and runs: what is shorter than half its
+    /// thickness is a stub that ends nowhere.
     fn is_held(&self, f: &FreeEnd) -> bool {
-        !self.joined.free.iter().any(|g| g.axis == f.axis && g.end != f.end)
+        let axis = &self.axes[f.axis as usize];
+        let runs = spans::length(axis.span) >= axis.thickness / 2.0;
+        runs && !self.joined.free.iter().any(|g| g.axis == f.axis && g.end != f.end)
     }
 }
