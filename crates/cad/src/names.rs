@@ -203,6 +203,19 @@ pub fn is_word(word: &str, listed: &str) -> bool {
     }
 }
 
+/// Words of what lies in the open air, lower case; those that begin with `*` may end a longer word.
+const OUTDOORS: &str = "terrace terraces *terrasse terrasses *terrassen terraza terrazas terrazza terrazze terraco terraço \
+                        terras taras balcony balconies *balkon balkone balkons balcon balcons balcones balcone balconi \
+                        varanda varandas patio patios courtyard courtyards innenhof hof cour cortile garden gardens \
+                        gardening lawn *garten jardin jardín giardino porch porches yard テラス バルコニー 庭 阳台 露台 \
+                        терраса балкон";
+
+/// Whether a name, of a layer or an element, says that it lies in the open air.
+pub fn is_outdoors(name: &str) -> bool {
+    let says = |word: &String| OUTDOORS.split_whitespace().any(|known| is_word(word, known));
+    words(base_name(name)).iter().any(says)
+}
+
 /// Whether others join on to a word without a blank: Han characters, and kana or Hangul from two letters on.
 pub fn is_joined(word: &str) -> bool {
     let is_han = |c: char| ('\u{4e00}'..='\u{9fff}').contains(&c);
@@ -269,5 +282,24 @@ mod tests {
         assert_eq!(Found::of(&all, &pattern).hits, [0, 1], "one name of two rooms");
         assert!(Pattern::name("a*[1]").unwrap().is_match("A*[1]"));
         assert!(!Pattern::name("a*").unwrap().is_match("ab"));
+    }
+
+    #[test]
+    fn what_lies_in_the_open_air_is_known_by_its_name() {
+        for name in [
+            "Terrace",
+            "A-BALKON",
+            "Dachterrasse",
+            "x$0$PATIO",
+            "BALCONI",
+            "Garten",
+            "Gardening Area",
+            "阳台",
+        ] {
+            assert!(is_outdoors(name), "{name}");
+        }
+        for name in ["Walls", "Decke", "Entrance", "Hofmann", "Yardstick", "0"] {
+            assert!(!is_outdoors(name), "{name}");
+        }
     }
 }

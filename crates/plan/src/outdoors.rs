@@ -1,17 +1,13 @@
-//! Ground that the drawing says is outdoors: outlines on layers named after terraces, balconies, courtyards.
+//! Ground that the drawing says is outdoors: outlines on layers named after terraces, balconies, courtyards; of a building
+//! what its file calls so.
 
 use super::curve;
 use super::frame::Frame;
 use super::hidden::Hidden;
 use enfilade_cad::drawing::{Drawing, Entity, Format, Shape};
-use enfilade_cad::names::{base_name, is_word, words};
+use enfilade_cad::ifc::OUTDOORS_LAYER;
+use enfilade_cad::names::is_outdoors;
 use enfilade_engine::geometry::{PointUm, UM_PER_M};
-
-/// Words of layers that hold outlines of open air, lower case; those that begin with `*` may end a longer word.
-const WORDS: &str = "terrace terraces *terrasse terrasses *terrassen terraza terrazas terrazza terrazze terraco terraço \
-                     terras taras balcony balconies *balkon balkone balkons balcon balcons balcones balcone balconi \
-                     varanda varandas patio patios courtyard courtyards innenhof hof cour cortile garden *garten jardin \
-                     jardín giardino porch porches yard テラス バルコニー 庭 阳台 露台 терраса балкон";
 
 /// Smaller outlines are pots, tables and names, m² of a person.
 const AREA_MIN_M2: f64 = 2.0;
@@ -26,24 +22,20 @@ pub(super) fn find(
     frame: &Frame,
     human_scale: f64,
 ) -> Vec<Vec<PointUm>> {
-    if drawing.format != Format::Dxf {
-        return Vec::new();
-    }
+    let is_named = |e: &Entity| match drawing.format {
+        Format::Dxf => is_outdoors(&e.layer),
+        Format::Ifc => e.layer == OUTDOORS_LAYER,
+        Format::Gltf | Format::Glb => false,
+    };
     let hidden = Hidden::new(drawing);
     let is_outline = |(i, e): &(usize, &Entity)| {
         let is_closed = matches!(e.shape, Shape::Polyline { closed: true, .. } | Shape::Circle { .. });
-        is_closed && !is_wall(*i) && is_outdoors(&e.layer) && !hidden.entity(e)
+        is_closed && !is_wall(*i) && is_named(e) && !hidden.entity(e)
     };
     let shown = drawing.entities.iter().enumerate().filter(is_outline);
     let rings = shown.map(|(_, e)| curve::trace(&e.shape, frame).points);
     let least = AREA_MIN_M2 * (human_scale * UM_PER_M).powi(2);
     rings.filter(|ring| ring.len() > 2 && area(ring) >= least).take(RINGS_MAX).collect()
-}
-
-/// Whether the name of a layer says that what is drawn on it lies in the open air.
-fn is_outdoors(layer: &str) -> bool {
-    let says = |word: &String| WORDS.split_whitespace().any(|known| is_word(word, known));
-    words(base_name(layer)).iter().any(says)
 }
 
 fn area(ring: &[PointUm]) -> f64 {
@@ -94,15 +86,5 @@ mod tests {
         assert_eq!(find(&drawing, |_| false, &METRES, 1.0).len(), 2);
         let many = Drawing::of(vec![square(3.0); RINGS_MAX + 1]);
         assert_eq!(find(&many, |_| false, &METRES, 1.0).len(), RINGS_MAX);
-    }
-
-    #[test]
-    fn layers_of_open_air_are_known_by_their_names() {
-        for name in ["Terrace", "A-BALKON", "Dachterrasse", "x$0$PATIO", "BALCONI", "Garten", "阳台"] {
-            assert!(is_outdoors(name), "{name}");
-        }
-        for name in ["Walls", "Decke", "Entrance", "Hofmann", "Yardstick", "0"] {
-            assert!(!is_outdoors(name), "{name}");
-        }
     }
 }

@@ -148,6 +148,7 @@ impl Model {
         out.relations(step);
         out.products = products(step, CLASSES.iter().copied());
         out.fillers = products(step, FILLERS.iter().map(|f| (f.0, f.1)));
+        out.fill_by_placement(step);
         out.product_at = out.products.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
         out.filler_at = out.fillers.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
         out.storeys = out.storeys(step, geo);
@@ -201,6 +202,20 @@ impl Model {
         }
         for (material, many) in pairs(step, "IFCRELASSOCIATESMATERIAL", 5, 4) {
             self.materials.extend(many.iter().map(|m| (*m, material)));
+        }
+    }
+
+    /// What is placed on an opening fills it, where no relation says what a door or window fills.
+    fn fill_by_placement(&mut self, step: &Step<'_>) {
+        let placement = |id: u64| step.args(id).get(5).and_then(Arg::id);
+        let openings: HashMap<u64, u64> =
+            self.openings.values().flatten().filter_map(|o| Some((placement(*o)?, *o))).collect();
+        let known: HashSet<u64> = self.fillings.values().flatten().copied().collect();
+        for p in self.fillers.iter().filter(|p| !known.contains(&p.id)) {
+            let on = p.placement.and_then(|own| step.args(own).first().and_then(Arg::id));
+            if let Some(opening) = on.and_then(|on| openings.get(&on)) {
+                self.fillings.entry(*opening).or_default().push(p.id);
+            }
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod covered;
 mod north;
+mod outdoors;
 mod slots;
 mod told;
 
@@ -34,6 +35,7 @@ use crate::units::by_heights;
 use crate::{SpaceNames, listed, main_storey, no_storey, storey_at};
 use enfilade_report::{Error, Place, Report};
 use north::{north_deg, state_north};
+pub use outdoors::OUTDOORS_LAYER;
 use told::Standing;
 
 /// Layer of everything that closes a gap without blocking sight: plugs of door and window openings.
@@ -201,6 +203,7 @@ pub(super) fn read_storey(
     }
     reader.walls(report);
     reader.spaces(report);
+    reader.outdoors();
     let shown: HashSet<u64> = reader.entities.iter().map(|e| e.source.record as u64).collect();
     reader.idle_marks = super::marks::state(building, reader.storey, &shown, report);
     let height = reader.cut - reader.floor;
@@ -607,6 +610,9 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         let Some([lo, hi]) = region.extent() else { return };
         self.keep_reached(region);
         self.emit(p, "IfcSpace", region);
+        if self.is_external(p) {
+            self.emit(p, OUTDOORS_LAYER, region);
+        }
         let SpaceNames { names, zones: of_zones } = self.b.space_names(p);
         for (layer, names) in [("IfcSpace", names), (ZONE_LAYER, of_zones)] {
             if layer == "IfcSpace" || !names.is_empty() {

@@ -78,7 +78,7 @@ pub(crate) fn state_interior(base: &Understood, settings: &Settings, report: &mu
         let open = match base.plan.outdoors.len() {
             0 => String::new(),
             n => format!(
-                ", {} on layers named after terraces, balconies or yards as outdoors",
+                ", {} named after terraces, balconies, yards or gardens as outdoors",
                 counted(n as u64, "outline")
             ),
         };

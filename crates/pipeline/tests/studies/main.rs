@@ -5,6 +5,7 @@
 mod brief;
 mod building;
 mod buildings;
+mod cases;
 mod decided;
 mod gltf;
 mod habits;

@@ -155,7 +155,7 @@ const DOOR: usize = 2;
 const STAIR: usize = 3;
 const FURNITURE: usize = 4;
 
-/// What the names of an entity's blocks and layer say, the outermost block's first.
+/// What the names of an entity's blocks and layer say, the innermost block's first: a window in a wall is a window.
 #[derive(Clone, Copy)]
 struct Name {
     role: Role,
@@ -172,7 +172,7 @@ struct Names<'d> {
 impl<'d> Names<'d> {
     fn of(&mut self, e: &'d Entity) -> Name {
         let mut last = Name { role: Role::Unknown, is_both: false };
-        for name in e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]) {
+        for name in e.blocks.iter().rev().map(String::as_str).chain([e.layer.as_str()]) {
             last = *self.known.entry(name).or_insert_with(|| {
                 let role = role_by_name(name).0;
                 Name { role, is_both: role == Role::Door && is_of_windows_too(name) }

@@ -9,6 +9,9 @@ use enfilade_report::Report;
 /// What stands so near before a door, metres, leaves no way round it.
 const BEFORE_M: f64 = 0.15;
 
+/// What reaches so little of that into it does so by rounding.
+const THIN_SHARE: f64 = 0.01;
+
 /// Share of a door's width from which on what stands before it closes it: beside a narrower thing somebody sees through.
 const COVERED_MIN: f64 = 0.8;
 
@@ -39,16 +42,14 @@ impl Doorway<'_> {
         let across = self.along.perp();
         let ([from, to], [low, high]) =
             (Self::reach(self.region, self.along), Self::reach(self.region, across));
-        let between = |n: DVec2, [low, high]: [f64; 2]| by.half_plane(n, high).half_plane(-n, -low);
-        let strips = [[low - near, low], [high, high + near]].map(|strip| {
-            let strip = between(across, strip).half_plane(self.along, to).half_plane(-self.along, -from);
-            if strip.is_empty() {
-                0.0
-            } else {
-                strip.area() / near.min(thickness(&strip, across)).max(f64::MIN_POSITIVE)
-            }
+        let covered = [[low - near, low], [high, high + near]].map(|[below, above]| {
+            let corners = [[from, below], [to, below], [to, above], [from, above]];
+            let strip = Region::ring(corners.map(|[s, t]| (self.along * s + across * t).to_array()).to_vec());
+            let inside = by.clone().combine(&strip, Rule::Intersection);
+            let thick = thickness(&inside, across);
+            if thick > near * THIN_SHARE { inside.area() / thick } else { 0.0 }
         });
-        strips.into_iter().fold(0.0, f64::max) / (to - from).max(f64::MIN_POSITIVE)
+        covered.into_iter().fold(0.0, f64::max) / (to - from).max(f64::MIN_POSITIVE)
     }
 }
 

@@ -1,0 +1,58 @@
+//! Ground that a building's file says lies in the open air: spaces outside it, slabs named after gardens and terraces.
+
+use glam::DVec2;
+
+use super::Reader;
+use crate::ifc::footprint::Footprint;
+use crate::ifc::model::{Product, product};
+use crate::ifc::step::Value;
+use crate::names::is_outdoors;
+use crate::plane::{box_of, share_of_smaller};
+use crate::region::Region;
+
+/// Layer of ground that lies in the open air.
+pub const OUTDOORS_LAYER: &str = "IfcSlab";
+
+/// A slab that covers so much of the box round all walls is ground that the building stands on.
+const GROUND_MIN: f64 = 0.5;
+
+impl Reader<'_, '_, '_> {
+    /// Shows the slabs of the storey that are named after what lies in the open air.
+    pub(super) fn outdoors(&mut self) {
+        let walls = self.entities.iter().filter(|e| e.layer.starts_with("IfcWall"));
+        let Some(building) = box_of(walls.flat_map(|e| crate::curve::control_points(&e.shape))) else {
+            return;
+        };
+        let keywords = ["IFCSLAB", "IFCSLABSTANDARDCASE"];
+        let all = keywords.into_iter().flat_map(|keyword| self.b.step.all(keyword));
+        let slabs: Vec<Product> = all
+            .map(|i| product(self.b.step, i.id, "IfcSlab"))
+            .filter(|p| is_outdoors(&p.name) && self.b.model.storey_of(p.id) == self.storey)
+            .collect();
+        for slab in slabs {
+            for ground in Footprint::slices(self.b, &slab, 1) {
+                if is_within(ground.extent(), building) && share_of_smaller(ground.extent(), building) > 0.0 {
+                    let ring = |ring: &Vec<DVec2>| ring.iter().map(|p| p.to_array()).collect();
+                    self.emit(
+                        &slab,
+                        OUTDOORS_LAYER,
+                        &Region::even_odd(ground.rings().iter().map(ring).collect()),
+                    );
+                }
+            }
+        }
+    }
+
+    /// Whether a space lies outside the building by its own word.
+    pub(super) fn is_external(&self, space: &Product) -> bool {
+        const KIND: usize = 9;
+        let kind = self.b.step.args(space.id);
+        matches!(kind.get(KIND).map(|a| &a.value), Some(Value::Enum(word)) if word.eq_ignore_ascii_case("EXTERNAL"))
+    }
+}
+
+/// Whether a slab is a part of the ground of a building, and not what all of it stands on.
+fn is_within(slab: [DVec2; 2], building: [DVec2; 2]) -> bool {
+    let area = |[low, high]: [DVec2; 2]| (high - low).element_product();
+    area(slab) < GROUND_MIN * area(building)
+}
