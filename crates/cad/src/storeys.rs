@@ -124,6 +124,21 @@ pub fn storey_key(storeys: &[StoreyInfo], index: usize) -> String {
     ways.into_iter().find(|way| storeys_at(&names, way) == [index]).unwrap_or_else(|| name.into())
 }
 
+/// Says which of several storeys is read where none was named.
+pub(super) fn state_taken(file: &str, storeys: &[StoreyInfo], taken: &str, report: &mut Report) {
+    let text = format!(
+        "storeys: {}; \"{taken}\" has the most walls and was taken, --storey NAME takes another",
+        listed(storeys)
+    );
+    report.info("storey", Place::file(file), text);
+}
+
+/// Says where a storey is cut: so many metres above its floor, which is at a height in metres.
+pub(super) fn state_cut(file: &str, name: &str, [above_m, floor_m]: [f64; 2], report: &mut Report) {
+    let text = format!("storey \"{name}\" cut {above_m:.2} m above its floor at {floor_m:.3} m");
+    report.info("storey-cut", Place::file(file), text);
+}
+
 /// Says so where a storey was named that others share the name of.
 pub(super) fn state_shared_name(file: &str, storeys: &[StoreyInfo], wanted: &str, report: &mut Report) {
     let names: Vec<&str> = storeys.iter().map(|s| s.name.as_str()).collect();

@@ -23,9 +23,12 @@ mod clip;
 mod component;
 mod cutter;
 mod dangling;
+mod floors;
 mod glb;
 mod heights;
+mod instances;
 mod json;
+mod levels;
 mod limits;
 mod lists;
 mod marks;
@@ -38,6 +41,7 @@ mod primitives;
 mod read;
 mod record;
 mod rewrite;
+mod scale;
 mod scene;
 mod soup;
 mod twin;
@@ -49,7 +53,7 @@ pub use bodies::is_global_id;
 pub use glb::is_glb;
 pub use limits::*;
 pub use outer::{Outer, outer_files};
-pub use read::read;
+pub use read::{read, storeys};
 pub use twin::uses_twin;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -116,7 +120,7 @@ pub fn patch(
         return patch(file, &with_works(file, &moved, options, &works)?, options, &[], own);
     }
     let scene = File::open(file, bytes, &options.buffers)?;
-    let (shown, _) = scene.shown();
+    let shown = scene.shown();
     let mut splices: Vec<Splice> = Vec::new();
     let mut pieces = pieces::Mover::new(&scene);
     for edit in edits {
