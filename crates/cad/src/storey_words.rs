@@ -1,18 +1,10 @@
 //! Names that say of which storey something is: `WALL-EG`, `1.OG`, `Level 2`, `Ground floor`.
 
 /// Words that name a storey, lower case.
-const STOREYS: &[&str] = &[
-    "erdgeschoss",
-    "erdgeschoß",
-    "obergeschoss",
-    "obergeschoß",
-    "dachgeschoss",
-    "dachgeschoß",
-    "kellergeschoss",
-    "untergeschoss",
-    "basement",
-    "rdc",
-];
+const STOREYS: &[&str] = &["basement", "rdc"];
+
+/// How words that name a storey end: `erdgeschoss`.
+const ENDINGS: &[&str] = &["geschoss", "geschoß"];
 
 /// Words that name a storey and other things too, as a first bedroom: lower case.
 const ORDINALS: &[&str] = &[
@@ -30,7 +22,7 @@ const NUMBERED: &[&str] = &["eg", "og", "ug", "kg", "dg", "f", "fl", "階"];
 const UNNUMBERED: &[&str] = &["eg", "og", "ug", "kg", "dg"];
 
 /// Of these the ones that a building has several of: `1.OG`, `OG 2`.
-const SEVERAL: &[&str] = &["og", "ug", "obergeschoss", "obergeschoß", "untergeschoss"];
+const SEVERAL: &[&str] = &["og", "ug", "obergeschoss", "obergeschoß", "untergeschoss", "untergeschoß"];
 
 /// What names a storey before its number: `LEVEL-1`, `floor 02`.
 const LEVELS: &[&str] = &[
@@ -102,6 +94,7 @@ fn named_at(words: &[&str], i: usize) -> Option<Vec<usize>> {
         return level_after.map(|k| vec![i, k]).or(alone);
     }
     let is_one = STOREYS.contains(&word)
+        || ENDINGS.iter().any(|e| word.ends_with(e))
         || UNNUMBERED.contains(&word)
         || has_digits && NUMBERED.contains(&digits)
         || ends_in_number(LEVELS)
@@ -114,7 +107,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn storeys_are_read_from_names() {
+    fn storeys_are_read_from_names_of_layers_and_of_gltf_nodes() {
         for (name, expected) in [
             ("WALL-EG", Some(("EG", "wall", true))),
             ("Wände 1OG", Some(("1OG", "wände", true))),
@@ -133,6 +126,10 @@ mod tests {
             ("4th Floor", Some(("4th Floor", "", true))),
             ("A-WALL-First", Some(("First", "a wall", false))),
             ("Second bedroom", Some(("Second", "bedroom", false))),
+            ("3. Stock", Some(("3 Stock", "", true))),
+            ("Niveau 2", Some(("Niveau 2", "", true))),
+            ("Untergeschoß", Some(("Untergeschoß", "", true))),
+            ("FIRST", Some(("FIRST", "", false))),
             ("Upper cabinets", None),
             ("A-WALL-2", None),
             ("WALL-P1", None),

@@ -85,6 +85,7 @@ mod tests {
         assert_eq!(warnings(["WALL-EG", "WALL-OG"], PIECES_MIN - 1, 0.0), 0);
         assert_eq!(warnings(["WALL-EG", "WALL-OG"], 20, 8.0 * (1.0 - SHARED_MIN) - 0.1), 1);
         assert_eq!(warnings(["WALL-EG", "WALL-OG"], 20, 8.0 * (1.0 - SHARED_MIN) + 0.1), 0, "side by side");
+        assert_eq!(warnings(["x$0$WALL-EG", "WALL-1.OG"], 20, 0.0), 1, "of a reference that is bound");
         assert_eq!(warnings(["WALL-EG", "COLS-OG"], 20, 0.0), 0);
         assert_eq!(warnings(["WALL-1", "WALL-2"], 20, 0.0), 0, "no storeys");
     }

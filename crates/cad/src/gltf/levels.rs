@@ -7,6 +7,7 @@ use super::bodies::SCENE_LAYER;
 use super::body::Body;
 use super::scene::{File, Shown};
 use crate::StoreyInfo;
+use crate::names::base_name;
 use crate::roles::{Role, role_by_name};
 use crate::storey_words::storey_name;
 use crate::storeys::is_over;
@@ -27,6 +28,12 @@ const GATHERED_M: f64 = 0.3;
 /// Fewer walls that stand at a height make no storey that no name tells of.
 const WALLS_MIN: usize = 3;
 
+/// More floors are none of a building, but of a scene that is made to keep a program busy.
+const FLOORS_MOST: usize = 300;
+
+/// How programs that make scenes of an IFC begin the names of its storeys.
+const STOREY_CLASS: &str = "IfcBuildingStorey/";
+
 /// Storeys of a scene, and what stands in which.
 #[derive(Debug, Default)]
 pub(super) struct Levels {
@@ -34,8 +41,8 @@ pub(super) struct Levels {
     own: Vec<StoreyInfo>,
     /// Nodes named after a storey that hold walls → its place in `own`.
     of_group: BTreeMap<usize, usize>,
-    /// Nodes that show something → the lowest storey in which that stands.
-    of_body: BTreeMap<usize, usize>,
+    /// Nodes that show something → the storey in which that stands; none of a mesh with pieces in several.
+    of_body: BTreeMap<usize, Option<usize>>,
 }
 
 impl Levels {
@@ -64,7 +71,7 @@ impl Levels {
     fn filled(
         bodies: &[Body<'_>],
         walls: &[&Body<'_>],
-        named: &Named<'_, '_>,
+        named: &Named<'_>,
         floors: &[Floor],
         (options, metres): (&ReadOptions, f64),
     ) -> Self {
@@ -78,25 +85,16 @@ impl Levels {
             let unit = named.unit(b.shown);
             unit.and_then(|u| of_unit.get(&u).copied()).unwrap_or_else(|| by_height(b.low))
         };
-        let mut of_body: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut of_body: BTreeMap<usize, Option<usize>> = BTreeMap::new();
         for body in bodies {
-            let at = place(body);
-            of_body.entry(body.shown.node).and_modify(|of| *of = at.min(*of)).or_insert(at);
+            let at = Some(place(body));
+            of_body.entry(body.shown.node).and_modify(|of| *of = of.filter(|_| *of == at)).or_insert(at);
         }
         let group =
             |(unit, at): (&&Unit, &usize)| if let Unit::Group(n) = unit { Some((*n, *at)) } else { None };
         let mut standing: Vec<Vec<&Body<'_>>> = vec![Vec::new(); floors.len()];
         walls.iter().for_each(|b| standing[place(b)].push(b));
-        let info = |(i, floor): (usize, &Floor)| StoreyInfo {
-            name: floor.name.clone().unwrap_or_else(|| format!("floor {}", i + 1)),
-            floor_m: floor.floor_m,
-            walls: standing[i].len(),
-            top_m: floors
-                .iter()
-                .any(|other| is_over(floor.floor_m, other.floor_m, options.above_m()))
-                .then(|| standing[i].iter().fold(f64::NEG_INFINITY, |top, b| top.max(b.high * metres))),
-        };
-        let own = floors.iter().enumerate().map(info).collect();
+        let own = (0..floors.len()).map(|i| info(floors, i, &standing[i], (options, metres))).collect();
         Self { own, of_group: of_unit.iter().filter_map(group).collect(), of_body }
     }
 
@@ -111,9 +109,27 @@ impl Levels {
         let chosen = options.chosen_of(&self.own);
         move |shown| {
             let group = shown.path().iter().find_map(|n| self.of_group.get(n).copied());
-            let of = group.or_else(|| self.of_body.get(&shown.node).copied());
+            let of = group.or_else(|| self.of_body.get(&shown.node).copied().flatten());
             chosen.is_some_and(|chosen| of.is_some_and(|of| of != chosen))
         }
+    }
+}
+
+/// What is known of a storey by the walls that stand in it.
+fn info(
+    floors: &[Floor],
+    i: usize,
+    walls: &[&Body<'_>],
+    (options, metres): (&ReadOptions, f64),
+) -> StoreyInfo {
+    let Floor { floor_m, name, .. } = &floors[i];
+    let is_near = floors.iter().any(|other| is_over(*floor_m, other.floor_m, options.above_m()));
+    let top = || walls.iter().fold(f64::NEG_INFINITY, |top, b| top.max(b.high * metres));
+    StoreyInfo {
+        name: name.clone().unwrap_or_else(|| format!("floor {}", i + 1)),
+        floor_m: *floor_m,
+        walls: walls.len(),
+        top_m: is_near.then(top),
     }
 }
 
@@ -156,15 +172,18 @@ impl Floor {
 }
 
 /// Which names of nodes part the walls of a scene into storeys.
-struct Named<'s, 'a> {
-    scene: &'s File<'a>,
+struct Named<'s> {
+    /// Nodes named after a storey → the name, and the words for the storey in it.
+    called: BTreeMap<usize, (&'s str, String)>,
     /// What holds some of the walls, not all: those; of all others a name says nothing.
     walls: BTreeMap<Unit, Vec<usize>>,
 }
 
-impl<'s, 'a> Named<'s, 'a> {
-    fn of(scene: &'s File<'a>, walls: &[&Body<'_>]) -> Self {
-        let mut out = Self { scene, walls: BTreeMap::new() };
+impl<'s> Named<'s> {
+    fn of(scene: &'s File<'_>, walls: &[&Body<'_>]) -> Self {
+        let all = scene.json.list("nodes").iter().enumerate();
+        let called = all.filter_map(|(n, node)| Some((n, called(node.text("name")?)?))).collect();
+        let mut out = Self { called, walls: BTreeMap::new() };
         let mut holding: BTreeMap<Unit, usize> = BTreeMap::new();
         for unit in walls.iter().flat_map(|b| out.all(b.shown)) {
             *holding.entry(unit).or_default() += 1;
@@ -183,24 +202,16 @@ impl<'s, 'a> Named<'s, 'a> {
 
     /// All that names on the way to something put it in, from the root.
     fn all(&self, shown: &Shown) -> Vec<Unit> {
-        let path = shown.path();
         let unit = |n: &usize| {
-            let (_, storey) = self.called(*n)?;
+            let (_, storey) = self.called.get(n)?;
             Some(if *n == shown.node { Unit::Word(storey.to_lowercase()) } else { Unit::Group(*n) })
         };
-        path.iter().filter_map(unit).collect()
+        shown.path().iter().filter_map(unit).collect()
     }
 
     /// What names put something in: the first from the root that does not hold all walls.
     fn unit(&self, shown: &Shown) -> Option<Unit> {
         self.all(shown).into_iter().find(|u| self.walls.contains_key(u))
-    }
-
-    /// The name of a node, and the words for a storey in it.
-    fn called(&self, node: usize) -> Option<(&'s str, String)> {
-        let name = self.scene.json.list("nodes").get(node)?.text("name")?.trim();
-        let found = storey_name(name).filter(|s| s.is_sure || s.rest.is_empty())?;
-        Some((name, found.storey))
     }
 
     /// Floors of the storeys that names tell of, metres; those of one storey are one, those of most walls first.
@@ -238,9 +249,19 @@ impl<'s, 'a> Named<'s, 'a> {
     /// What a storey is called by what is in it, and the words for it alone; `first`: a node that is in it.
     fn words(&self, unit: &Unit, first: usize) -> (String, String) {
         let (node, is_group) = if let Unit::Group(n) = unit { (*n, true) } else { (first, false) };
-        let (name, word) = self.called(node).unwrap_or_default();
+        let (name, word) = self.called.get(&node).cloned().unwrap_or_default();
         (if is_group { name.to_string() } else { word.clone() }, word)
     }
+}
+
+/// What a node of a name is called as a storey, and the words for the storey in that.
+fn called(name: &str) -> Option<(&str, String)> {
+    if let Some(own) = name.strip_prefix(STOREY_CLASS) {
+        return Some((own.trim(), own.trim().to_string()));
+    }
+    let name = base_name(name).trim();
+    let found = storey_name(name).filter(|s| s.is_sure || s.rest.is_empty())?;
+    Some((name, found.storey))
 }
 
 /// The height at which most of some things begin, the lowest of several.
@@ -260,7 +281,7 @@ fn gathered(mut lows: Vec<f64>, known: &[Floor]) -> Vec<f64> {
     let is_near = |low: f64, floor: f64| (low - floor).abs() < STOREY_HIGH_M;
     lows.retain(|low| known.iter().all(|f| !is_near(*low, f.floor_m)));
     lows.sort_by(f64::total_cmp);
-    while !lows.is_empty() {
+    while !lows.is_empty() && out.len() < FLOORS_MOST {
         let range = |low: f64| {
             lows.partition_point(|l| *l < low - GATHERED_M)..lows.partition_point(|l| *l <= low + GATHERED_M)
         };

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use base64::Engine;
-use enfilade_cad::drawing::{Drawing, Edit, Editable, EntityWork, RigidMotion};
+use enfilade_cad::drawing::{Addition, Drawing, Edit, Editable, EntityWork, Mark, RigidMotion};
 use enfilade_cad::gltf::INSTANCES_MAX;
 use enfilade_cad::{ReadOptions, StoreyInfo, patch, read, storeys};
 use enfilade_report::Report;
@@ -280,6 +280,16 @@ fn storeys_are_found_by_names_and_heights() {
             grouped(&[("Floor_01 walls", 0.0, 2), ("Floor_01 cores", 0.0, 1), ("Storey 2", 3.0, 2)]),
             vec![("Floor 01", 0, 3), ("Storey 2", 300, 2)],
         ),
+        (
+            grouped(&[("IfcBuildingStorey/Hall", 0.0, 2), ("IfcBuildingStorey/Attic", 3.0, 1)]),
+            vec![("Hall", 0, 2), ("Attic", 300, 1)],
+        ),
+        (
+            grouped(&[("Level -1", -3.0, 2), ("Level 1", 0.0, 3)]),
+            vec![("Level -1", -300, 2), ("Level 1", 0, 3)],
+        ),
+        (grouped(&[("Level 1 west", 0.0, 2), ("Level 1 east", 1.4, 1)]), vec![]),
+        (grouped(&[("Level 1", 0.0, 2), ("Level 2", 1.4, 1)]), vec![("Level 1", 0, 2), ("Level 2", 140, 1)]),
         (grouped(&[("Level 1", 0.0, 3)]), vec![]),
         (grouped(&[("First bedroom", 0.0, 2), ("Second bedroom", 3.0, 2)]), vec![]),
         (
@@ -356,4 +366,21 @@ fn other_storeys_are_not_told_of() {
         let (_, said) = scene.read(Some(storey));
         assert_eq!(said.contains_key("gltf-not-cut"), is_told, "{said:?}");
     }
+}
+
+/// What is added lies on the floor of the storey that was read, also where works have made another one that of most walls.
+#[test]
+fn additions_stay_on_the_storey_that_was_read() {
+    let scene = grouped(&[("Level 1", 0.0, 3), ("Level 2", 3.0, 4)]);
+    let drops = [4, 5].map(|record| Edit::Work { record, work: EntityWork::Drop });
+    let own = Addition {
+        layer: "EF-NOTE".into(),
+        rgb: [0, 0, 0],
+        mark: Mark::Path { points: vec![DVec2::ZERO, DVec2::X], closed: false },
+    };
+    let written = patch("a.gltf", &scene.bytes(), &ReadOptions::default(), &drops, &[own]).unwrap();
+    let json: Value = serde_json::from_slice(&written).unwrap();
+    let height =
+        json["accessors"].as_array().unwrap().iter().find_map(|a| a["min"][1].as_f64().filter(|y| *y > 0.0));
+    assert!(height.is_some_and(|y| (y - 3.02).abs() < 1e-3), "{height:?}");
 }
