@@ -107,3 +107,24 @@ fn number_of(scene: &File<'_>, attributes: &Json) -> Result<usize, String> {
     }
     number.map(|(n, _)| n).ok_or_else(|| "found no attributes".into())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All instances of a scene count, and their triangles; what passes a limit does not.
+    #[test]
+    fn instances_and_their_triangles_are_bounded_together() {
+        let mut count = Count::default();
+        for (instances, triangles, is_taken) in [
+            (INSTANCES_MAX - 2, 12, true),
+            (3, 0, false),
+            (1, TRIANGLES_MAX, false),
+            (usize::MAX, usize::MAX, false),
+            (2, 12, true),
+            (1, 0, false),
+        ] {
+            assert_eq!(count.add(instances, triangles).is_ok(), is_taken, "{instances} of {triangles}");
+        }
+    }
+}
