@@ -42,6 +42,7 @@ pub mod sizes;
 mod splice;
 mod stamp;
 mod step_text;
+pub mod storey_words;
 mod storeys;
 pub mod units;
 pub mod wish;
@@ -232,7 +233,7 @@ impl<'a> Opened<'a> {
     }
 
     /// Storeys of a building from the lowest, and what it has; nothing where the file (or the IFC beside it)
-    /// knows none.
+    /// knows none. Of a scene without an IFC: those that its nodes are named by, or that its walls stand on.
     pub fn building(&self, options: &ReadOptions) -> (Vec<StoreyInfo>, Option<ifc::Elements>) {
         if let Some(ifc) = &self.ifc {
             let (storeys, elements) = ifc.building(options.unit);
@@ -243,12 +244,12 @@ impl<'a> Opened<'a> {
                 let found = ifc::inventory(&plain(self.file, self.bytes), options.unit);
                 (found.storeys, Some(found.elements))
             }
-            (Format::Gltf | Format::Glb, Some(twin))
-                if gltf::uses_twin(self.file, self.bytes, &options.gltf()) =>
-            {
-                (twin.storeys.clone(), Some(twin.elements))
+            (Format::Gltf | Format::Glb, twin) => {
+                let own = options.gltf();
+                let twin = twin.as_ref().filter(|_| gltf::uses_twin(self.file, self.bytes, &own));
+                (gltf::storeys(self.file, self.bytes, &own), twin.map(|t| t.elements))
             }
-            _ => (Vec::new(), None),
+            (Format::Dxf, _) => (Vec::new(), None),
         }
     }
 }

@@ -126,6 +126,22 @@ pub fn storey_key(storeys: &[StoreyInfo], index: usize) -> String {
     ways.into_iter().find(|way| storeys_at(&names, way) == [index]).unwrap_or_else(|| name.into())
 }
 
+/// Says which of several storeys is read where none was named.
+pub(super) fn state_taken(file: &str, storeys: &[StoreyInfo], taken: &StoreyInfo, report: &mut Report) {
+    let text = format!(
+        "storeys: {}; {} has the most walls and was taken, --storey NAME takes another",
+        listed(storeys),
+        called(taken)
+    );
+    report.info("storey", Place::file(file), text);
+}
+
+/// Says where a storey is cut: so many metres above its floor, which is at a height in metres.
+pub(super) fn state_cut(file: &str, name: &str, [above_m, floor_m]: [f64; 2], report: &mut Report) {
+    let text = format!("storey \"{name}\" cut {above_m:.2} m above its floor at {floor_m:.3} m");
+    report.info("storey-cut", Place::file(file), text);
+}
+
 /// Says so where a storey was named that others share the name of.
 pub(super) fn state_shared_name(file: &str, storeys: &[StoreyInfo], wanted: &str, report: &mut Report) {
     let names: Vec<&str> = storeys.iter().map(|s| s.name.as_str()).collect();
@@ -146,14 +162,14 @@ pub(super) fn state_shared_name(file: &str, storeys: &[StoreyInfo], wanted: &str
 }
 
 /// A storey as messages name it, with its building where there are several.
-pub(super) fn called(name: &str, building: Option<&str>) -> String {
-    building.map_or_else(|| format!("\"{name}\""), |building| format!("\"{name}\" of \"{building}\""))
+fn called(StoreyInfo { name, building, .. }: &StoreyInfo) -> String {
+    building.as_ref().map_or_else(|| format!("\"{name}\""), |of| format!("\"{name}\" of \"{of}\""))
 }
 
 /// Storeys as a message lists them: the number and the name, both as `--storey` takes them.
 pub fn listed(storeys: &[StoreyInfo]) -> String {
     let of = |(i, s): (usize, &StoreyInfo)| {
-        let name = called(&s.name, s.building.as_deref());
+        let name = called(s);
         format!("{} {name} (floor {:.3} m, {})", i + 1, s.floor_m, counted(s.walls as u64, "wall"))
     };
     storeys.iter().enumerate().map(of).collect::<Vec<_>>().join(", ")

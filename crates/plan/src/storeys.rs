@@ -8,51 +8,8 @@ use super::parallels::pieces;
 use enfilade_cad::drawing::{Drawing, Entity};
 use enfilade_cad::names::base_name;
 use enfilade_cad::plane::{box_of, share_of_smaller};
+use enfilade_cad::storey_words::{StoreyName, storey_name};
 use enfilade_report::{Place, Report};
-
-/// Words that name a storey, lower case.
-const STOREYS: &[&str] = &[
-    "erdgeschoss",
-    "erdgeschoß",
-    "obergeschoss",
-    "obergeschoß",
-    "dachgeschoss",
-    "dachgeschoß",
-    "kellergeschoss",
-    "untergeschoss",
-    "ground",
-    "first",
-    "second",
-    "third",
-    "1st",
-    "2nd",
-    "3rd",
-    "basement",
-    "rdc",
-];
-
-/// What names a storey behind its number: `1OG`, `2F`, `2階`.
-const NUMBERED: &[&str] = &["eg", "og", "ug", "kg", "dg", "f", "fl", "階"];
-
-/// What names one without a number too.
-const UNNUMBERED: &[&str] = &["eg", "og", "ug", "kg", "dg"];
-
-/// What names a storey before its number: `LEVEL-1`, `floor 02`.
-const LEVELS: &[&str] = &[
-    "level",
-    "floor",
-    "storey",
-    "story",
-    "etage",
-    "étage",
-    "stock",
-    "geschoss",
-    "piano",
-    "planta",
-    "nivel",
-    "andar",
-    "verdieping",
-];
 
 /// Fewest straight pieces that are a storey's walls.
 const PIECES_MIN: usize = 8;
@@ -66,7 +23,7 @@ pub(super) fn warn(drawing: &Drawing, walls: &[&Entity], report: &mut Report) {
     walls.iter().for_each(|w| by_layer.entry(&w.layer).or_default().push(w));
     let mut storeys: BTreeMap<String, Vec<(&str, [DVec2; 2])>> = BTreeMap::new();
     for (layer, walls) in by_layer {
-        let Some(rest) = without_storey(layer) else { continue };
+        let Some(StoreyName { rest, .. }) = storey_name(base_name(layer)) else { continue };
         let pieces = pieces(walls.into_iter());
         let extent = box_of(pieces.iter().flat_map(|p| [p.a, p.b])).filter(|_| pieces.len() >= PIECES_MIN);
         storeys.entry(rest).or_default().extend(extent.map(|e| (layer, e)));
@@ -84,50 +41,10 @@ pub(super) fn warn(drawing: &Drawing, walls: &[&Entity], report: &mut Report) {
     }
 }
 
-/// A layer's name without the word for the storey, if it has one.
-fn without_storey(layer: &str) -> Option<String> {
-    let lower = base_name(layer).to_lowercase();
-    let words: Vec<&str> = lower.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect();
-    let is_number = |w: &str| !w.is_empty() && w.chars().all(|c| c.is_ascii_digit());
-    for (i, word) in words.iter().enumerate() {
-        let digits = word.trim_start_matches(|c: char| c.is_ascii_digit());
-        let has_digits = digits.len() < word.len();
-        let is_one = STOREYS.contains(word)
-            || has_digits && NUMBERED.contains(&digits)
-            || UNNUMBERED.contains(word)
-            || LEVELS.iter().any(|l| word.strip_prefix(l).is_some_and(is_number));
-        let is_level = LEVELS.contains(word) && words.get(i + 1).is_some_and(|w| is_number(w));
-        if is_one || is_level {
-            let taken = i..=i + usize::from(is_level);
-            let rest = words.iter().enumerate().filter(|(k, _)| !taken.contains(k));
-            return Some(rest.map(|w| *w.1).collect::<Vec<_>>().join(" "));
-        }
-    }
-    None
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use enfilade_cad::drawing::{Editable, Shape, SourceRef};
-
-    #[test]
-    fn storeys_are_read_from_layers() {
-        for (layer, expected) in [
-            ("WALL-EG", Some("wall")),
-            ("Wände 1OG", Some("wände")),
-            ("x$0$A-WALL-2F", Some("a wall")),
-            ("A_WALL_LEVEL_02", Some("a wall")),
-            ("level1-walls", Some("walls")),
-            ("A-WALL-First", Some("a wall")),
-            ("A-WALL-2", None),
-            ("WALL-P1", None),
-            ("wall high", None),
-            ("Piano", None),
-        ] {
-            assert_eq!(without_storey(layer).as_deref(), expected, "{layer}");
-        }
-    }
 
     /// Warnings for storeys of `pieces` lines each, the second `beside` to the right of the first, both 8 wide.
     fn warnings(layers: [&str; 2], pieces: usize, beside: f64) -> usize {
@@ -163,6 +80,7 @@ mod tests {
         assert_eq!(warnings(["WALL-EG", "WALL-OG"], PIECES_MIN - 1, 0.0), 0);
         assert_eq!(warnings(["WALL-EG", "WALL-OG"], 20, 8.0 * (1.0 - SHARED_MIN) - 0.1), 1);
         assert_eq!(warnings(["WALL-EG", "WALL-OG"], 20, 8.0 * (1.0 - SHARED_MIN) + 0.1), 0, "side by side");
+        assert_eq!(warnings(["x$0$WALL-EG", "WALL-1.OG"], 20, 0.0), 1, "of a reference that is bound");
         assert_eq!(warnings(["WALL-EG", "COLS-OG"], 20, 0.0), 0);
         assert_eq!(warnings(["WALL-1", "WALL-2"], 20, 0.0), 0, "no storeys");
     }

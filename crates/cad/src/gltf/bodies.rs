@@ -2,9 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 use super::body::Body;
+use super::instances;
 use super::json::Json;
 use super::meshes::Why;
 use super::motion::z_up;
@@ -61,7 +62,7 @@ pub(super) fn bodies<'f>(
     let mut meshes: BTreeMap<usize, Result<Vec<[DVec3; 3]>, Why>> = BTreeMap::new();
     let mut out = Vec::new();
     let (mut lost, mut names) = (Lost::default(), Names::default());
-    let elements = Elements::new(scene, shown);
+    let (elements, mut many) = (Elements::new(scene, shown), instances::Count::default());
     for s in shown {
         let Some(mesh) = nodes[s.node].index("mesh").filter(|_| !s.is_own()) else {
             continue;
@@ -80,26 +81,57 @@ pub(super) fn bodies<'f>(
             lost.lines.push((s, is_wall));
             continue;
         }
-        let (element, is_whole) = elements.of(s);
-        let m = z_up() * s.world;
-        let has_pieces = is_wall && !is_whole && !layer.starts_with("Ifc");
-        for (piece, triangles) in in_pieces(scene, s.node, has_pieces, triangles) {
-            let placed: Vec<[DVec3; 3]> =
-                triangles.iter().map(|t| t.map(|p| m.transform_point3(p))).collect();
-            if let Some(why) = without_place(&triangles, &placed) {
-                lost.unread.push((s, why.into()));
+        let instances = match instances::places(scene, s.node, &mut many, triangles.len()) {
+            Ok(instances) => instances,
+            Err((pointer, why)) => {
+                lost.unread.push((s, format!("its instances cannot be read: {pointer}: {why}")));
                 continue;
             }
-            let heights = || placed.iter().flatten().map(|p| p.z);
-            let (low, high) =
-                (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
-            let held = elements.held(element).cloned();
-            let layer = layer.clone();
-            out.push(Body { shown: s, element, held, piece, layer, is_wall, triangles: placed, low, high });
+        };
+        let (element, is_whole) = elements.of(s);
+        let has_pieces = is_wall && !is_whole && !layer.starts_with("Ifc") && instances.is_none();
+        let places = instances.unwrap_or_else(|| vec![DAffine3::IDENTITY]);
+        for (piece, triangles) in in_pieces(scene, s.node, has_pieces, triangles) {
+            for place in &places {
+                match placed(&triangles, &(z_up() * s.world * *place)) {
+                    Ok((triangles, [low, high])) => {
+                        let (held, layer) = (elements.held(element).cloned(), layer.clone());
+                        out.push(Body {
+                            shown: s,
+                            element,
+                            held,
+                            piece,
+                            layer,
+                            is_wall,
+                            triangles,
+                            low,
+                            high,
+                        });
+                    }
+                    Err(why) => lost.unread.push((s, why.into())),
+                }
+            }
         }
     }
     choose_layers(scene, &mut out, options, report);
     Bodies { list: out, lost: lost.state(scene, options, report) }
+}
+
+/// Faces of a mesh where a transform puts them, and between which heights.
+type Placed = (Vec<[DVec3; 3]>, [f64; 2]);
+
+/// A mesh in its place.
+///
+/// # Errors
+/// Why it stands nowhere.
+fn placed(triangles: &[[DVec3; 3]], to: &DAffine3) -> Result<Placed, &'static str> {
+    let placed: Vec<[DVec3; 3]> = triangles.iter().map(|t| t.map(|p| to.transform_point3(p))).collect();
+    if let Some(why) = without_place(triangles, &placed) {
+        return Err(why);
+    }
+    let heights = || placed.iter().flatten().map(|p| p.z);
+    let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+    Ok((placed, [low, high]))
 }
 
 /// Why what was read of an element stands nowhere.
@@ -224,7 +256,6 @@ fn animated(json: &Json) -> BTreeSet<usize> {
 fn held(scene: &File<'_>, path: &[usize], from: usize, animated: &BTreeSet<usize>) -> Option<String> {
     let nodes = scene.json.list("nodes");
     let of_element = || path[from..].iter().map(|n| &nodes[*n]);
-    let is_many = |n: &Json| n.get("extensions").is_some_and(|e| e.get("EXT_mesh_gpu_instancing").is_some());
     let is_unread = |n: &Json| {
         let odd =
             |key: &str, count: usize| n.get(key).is_some() && n.numbers(key).is_none_or(|v| v.len() != count);
@@ -237,8 +268,8 @@ fn held(scene: &File<'_>, path: &[usize], from: usize, animated: &BTreeSet<usize
         Some("it is animated".into())
     } else if of_element().any(|n| n.get("skin").is_some()) {
         Some("it follows a skeleton".into())
-    } else if of_element().any(is_many) {
-        Some("it is drawn many times by one node".into())
+    } else if of_element().any(instances::is_many) {
+        Some(instances::WHY.into())
     } else if is_unread(&nodes[path[from]]) {
         Some("its transform cannot be read".into())
     } else {

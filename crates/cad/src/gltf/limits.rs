@@ -13,6 +13,9 @@ pub const NODES_MAX: usize = 500_000;
 /// twice, a few levels would be millions.
 pub const REPEATS_MAX: usize = 1_000;
 
+/// Instances of meshes that nodes show many times, in all: a building has thousands of chairs, not of walls; more is a wood.
+pub const INSTANCES_MAX: usize = 100_000;
+
 /// Triangles cut in one scene.
 pub const TRIANGLES_MAX: usize = 20_000_000;
 

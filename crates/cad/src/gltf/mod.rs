@@ -23,9 +23,12 @@ mod clip;
 mod component;
 mod cutter;
 mod dangling;
+mod floors;
 mod glb;
 mod heights;
+mod instances;
 mod json;
+mod levels;
 mod limits;
 mod lists;
 mod marks;
@@ -38,6 +41,7 @@ mod primitives;
 mod read;
 mod record;
 mod rewrite;
+mod scale;
 mod scene;
 mod soup;
 mod twin;
@@ -49,7 +53,7 @@ pub use bodies::is_global_id;
 pub use glb::is_glb;
 pub use limits::*;
 pub use outer::{Outer, outer_files};
-pub use read::read;
+pub use read::{read, storeys};
 pub use twin::uses_twin;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -74,7 +78,7 @@ pub struct ReadOptions {
     pub is_knee: bool,
     /// Whether the user names the walls: then layers keep their names.
     pub is_by_user: bool,
-    /// Name of the storey, of those that `twin` knows; `None`: the one with most walls.
+    /// Name of the storey, of those that `twin` knows, else of those of the scene itself; `None`: the one with most walls.
     pub storey: Option<String>,
     /// The user's word for the unit, which then stands above the standard's metre.
     pub unit: Option<Unit>,
@@ -113,10 +117,11 @@ pub fn patch(
     if edits.iter().any(Edit::is_work) {
         let (works, moves): (Vec<Edit>, Vec<Edit>) = edits.iter().cloned().partition(Edit::is_work);
         let moved = patch(file, bytes, options, &moves, &[])?;
-        return patch(file, &with_works(file, &moved, options, &works)?, options, &[], own);
+        let worked = with_works(file, &moved, options, &works)?;
+        return with_additions(file, &worked, options, &File::open(file, bytes, &options.buffers)?, own);
     }
     let scene = File::open(file, bytes, &options.buffers)?;
-    let (shown, _) = scene.shown();
+    let shown = scene.shown();
     let mut splices: Vec<Splice> = Vec::new();
     let mut pieces = pieces::Mover::new(&scene);
     for edit in edits {
@@ -137,6 +142,24 @@ pub fn patch(
             bin.get_or_insert_with(|| scene.bin().unwrap_or_default().to_vec()).extend(data);
         }
     }
+    written(&scene, splices, bin)
+}
+
+/// The scene with additions put in, above the floor that was read before works changed which storey has most walls.
+fn with_additions(
+    file: &str,
+    bytes: &[u8],
+    options: &ReadOptions,
+    before: &File<'_>,
+    own: &[Addition],
+) -> Result<Vec<u8>, Error> {
+    if own.is_empty() {
+        return Ok(bytes.to_vec());
+    }
+    let scene = File::open(file, bytes, &options.buffers)?;
+    let (floor, metres) = read::floor_of(before, &before.shown(), options, &mut Report::default())?;
+    let (splices, data) = additions::splices(&scene, floor, metres, own)?;
+    let bin = (!data.is_empty()).then(|| [scene.bin().unwrap_or_default(), &data].concat());
     written(&scene, splices, bin)
 }
 

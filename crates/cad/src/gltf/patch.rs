@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DMat3, DMat4, DQuat};
 
+use super::instances;
 use super::json::{Json, Value};
 use super::motion::{fault, numbers, text, world_motion};
 use super::scene::{File, Shown, local, parts};
@@ -18,6 +19,9 @@ pub(super) fn edit(scene: &File<'_>, shown: &[Shown], edit: &Edit) -> Result<Vec
     let (Some(place), None) = (places.next(), places.next()) else {
         return Err(why("it is not shown exactly once"));
     };
+    if instances::is_many(node) {
+        return Err(why(instances::WHY));
+    }
     if !motion.turn_rad.is_finite() || !motion.shift.is_finite() {
         return Err(why("the motion is not finite"));
     }

@@ -8,32 +8,23 @@ use glam::{DAffine2, DAffine3, DMat2, DMat3, DVec2, DVec3};
 use super::bearing::bearing;
 use super::bodies::{Bodies, SCENE_LAYER, SPACE_LAYER, bodies, is_global_id};
 use super::body::Body;
+use super::floors::chosen_floor;
+use super::levels::Levels;
 use super::motion::z_up;
 use super::record::{of_record, record};
-use super::scene::{File, Shown};
+use super::scale::{METRE, Scale};
+use super::scene::{File, Shown, Walked};
 use super::{ReadOptions, marks, twin, upright, values};
+use crate::StoreyInfo;
 use crate::curve::control_points;
 use crate::drawing::{
-    Called, Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, Single, SourceRef, Text, Unit,
-    Vertex,
+    Called, Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, Single, SourceRef, Text, Vertex,
 };
 use crate::ifc::ZONE_LAYER;
 use crate::own_layers::DEMOLISHED;
 use crate::phase::Phase;
 use crate::region::{Region, slice};
-use crate::sizes::{Sizes, Verdict};
-use crate::storeys::{refuse_without_own, state_shared_name};
-use crate::{listed, no_storey};
 use enfilade_report::{Error, Place, Report};
-
-/// The unit of the standard.
-const METRE: Unit = Unit { name: "m", metres: 1.0 };
-
-/// Floors nearer than this are one.
-const FLOOR_M: f64 = 0.05;
-
-/// What is this high may be a wall.
-const STOREY_HIGH_M: f64 = 2.0;
 
 /// Reads a scene.
 ///
@@ -41,10 +32,11 @@ const STOREY_HIGH_M: f64 = 2.0;
 /// [`Error::Input`] where the bytes are no glTF 2.0, or nothing in it can be cut.
 pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
     let scene = File::open(file, bytes, &options.buffers)?;
-    let (shown, odd) = scene.shown();
+    let Walked { shown, odd, hidden } = scene.walked();
     for text in odd {
         report.warn("gltf-nodes", Place::file(file), text);
     }
+    state_hidden(&scene, &hidden, report);
     values::state(&scene, &shown, report);
     let options = &*twin::taken(&scene, &shown, options, report);
     twin::state_marks(file, options, report);
@@ -73,10 +65,12 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         );
     }
     let above = options.above_m() / scale.metres;
-    let floor = chosen_floor(file, &bodies, options, &scale, report)?;
+    let levels = Levels::of(&scene, &bodies, options, scale.metres);
+    let floor = chosen_floor(file, &bodies, options, (&levels, scale.metres), report)?;
     let (mut entities, mut regions) = (Vec::new(), BTreeSet::new());
     let (mut built, mut gone, mut said) = (BTreeSet::new(), BTreeSet::new(), Vec::new());
-    let is_elsewhere = options.elsewhere(&scene);
+    let (by_ifc, by_scene) = (options.elsewhere(&scene), levels.elsewhere(options));
+    let is_elsewhere = |s: &Shown| by_ifc(s) || by_scene(s);
     let mut flat: Vec<(usize, &str)> = Vec::new();
     for body in &bodies {
         let before = entities.len();
@@ -146,6 +140,21 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     })
 }
 
+/// Says how many nodes are left out because the file hides them.
+fn state_hidden(scene: &File<'_>, hidden: &BTreeSet<usize>, report: &mut Report) {
+    let Some(first) = hidden.first() else { return };
+    let first = scene.named(*first);
+    let text = match hidden.len() {
+        1 => {
+            format!("1 node with a mesh is left out because the file hides it (KHR_node_visibility): {first}")
+        }
+        n => format!(
+            "{n} nodes with meshes are left out because the file hides them (KHR_node_visibility), {first} is the first"
+        ),
+    };
+    report.info("gltf-hidden", Place::file(scene.name), text);
+}
+
 /// What stands between two heights and is no wall, by the names of its nodes.
 fn called(scene: &File<'_>, bodies: &[Body<'_>], [low, high]: [f64; 2]) -> Vec<Called> {
     let is_here = |b: &&Body<'_>| !b.is_wall && b.layer != SPACE_LAYER && b.low < high && b.high > low;
@@ -196,107 +205,6 @@ fn single(placed: &DAffine3) -> Option<Single> {
 
 /// An axis is upright that goes aside by no more than this share of its length: what turns of double precision leave.
 const UPRIGHT_SHARE: f64 = 1e-12;
-
-/// In what a scene measures.
-struct Scale {
-    /// Metres in one unit.
-    metres: f64,
-    /// The unit, where the walls cannot be as high as they are in metres.
-    by_heights: Option<Unit>,
-    /// The standard's words for its unit, and what stands against it.
-    words: String,
-    /// Why metres are doubted.
-    doubt: Option<String>,
-}
-
-impl Scale {
-    fn of(bodies: &[Body<'_>], options: &ReadOptions) -> Self {
-        let words = "the standard (metres, Y up)".to_string();
-        let believed = Self { metres: 1.0, by_heights: None, words: words.clone(), doubt: None };
-        if let Some(unit) = options.unit {
-            return Self { metres: unit.metres, ..believed };
-        }
-        match sizes(bodies).verdict(METRE) {
-            Verdict::Believed => believed,
-            Verdict::Instead(unit, against) => Self {
-                metres: unit.metres,
-                by_heights: Some(unit),
-                words: format!("{words}, in which it has {against}"),
-                ..believed
-            },
-            Verdict::Doubted(text) => Self { doubt: Some(text), ..believed },
-        }
-    }
-}
-
-/// What elements measure, units of the scene.
-fn sizes(bodies: &[Body<'_>]) -> Sizes {
-    let is_scene = bodies.iter().any(|b| b.layer == SCENE_LAYER);
-    let points = || bodies.iter().flat_map(|b| b.triangles.iter().flatten());
-    let low = points().fold(DVec3::INFINITY, |lo, p| lo.min(*p));
-    let size = points().fold(DVec3::NEG_INFINITY, |hi, p| hi.max(*p)) - low;
-    // The width of a door is the diagonal of its box, whichever way it stands; its depth is little beside it.
-    let width = |b: &Body<'_>| {
-        let points = b.triangles.iter().flatten().map(|p| p.truncate());
-        crate::plane::box_of(points).map(|[lo, hi]| hi.distance(lo))
-    };
-    Sizes {
-        wall_heights: bodies.iter().filter(|b| b.is_wall).map(|b| b.high - b.low).collect(),
-        door_widths: bodies.iter().filter(|b| b.layer == "IfcDoor").filter_map(width).collect(),
-        scene: is_scene.then_some([size.z, size.x.max(size.y)]),
-        ..Sizes::default()
-    }
-}
-
-/// Height of the storey's floor where storeys are known, else the one above which most walls are cut; units of the
-/// scene.
-fn chosen_floor(
-    file: &str,
-    bodies: &[Body<'_>],
-    options: &ReadOptions,
-    scale: &Scale,
-    report: &mut Report,
-) -> Result<f64, Error> {
-    let above = options.above_m();
-    let names = listed(&options.known().storeys);
-    let wanted = options.storey.as_deref();
-    if let Some(name) = wanted {
-        state_shared_name(file, &options.known().storeys, name, report);
-    }
-    let chosen = options.chosen_storey();
-    if let Some(chosen) = chosen {
-        refuse_without_own(file, &options.known().storeys, chosen, above)?;
-    }
-    let found = chosen.map(|i| &options.known().storeys[i]);
-    if let (None, Some(name)) = (found, wanted) {
-        let none = match options.twin.is_some() {
-            false => "none (glTF has none; the .ifc of the same name beside it has)",
-            true => "none (glTF has none, and the .ifc of the same name beside it is not used or has none)",
-        };
-        let why = no_storey(&options.known().storeys, name, none);
-        let text = format!("--storey \"{name}\": {why}");
-        return Err(Error::usage("storey", Place::file(file), text));
-    }
-    Ok(match found {
-        Some(storey) => {
-            let text = format!(
-                "storeys by the IFC beside it: {names}; \"{}\" cut {above} m above its floor at {:.3} m",
-                storey.name, storey.floor_m
-            );
-            report.info("storey-cut", Place::file(file), text);
-            storey.floor_m / scale.metres
-        }
-        None => {
-            let floor = floor(bodies, scale.metres, above / scale.metres);
-            let text = format!(
-                "no storeys in glTF; cut {above} m above the floor found at {:.3} m",
-                floor * scale.metres
-            );
-            report.info("gltf-cut", Place::file(file), text);
-            floor
-        }
-    })
-}
 
 /// Names of spaces and of their zones, each at the middle of its outline; where the IFC beside the scene knows the space,
 /// by its names there too.
@@ -383,8 +291,19 @@ pub(super) fn standing<'f>(
     let options = &*twin::taken(scene, shown, options, report);
     let bodies = bodies(scene, shown, options, report).list;
     let scale = Scale::of(&bodies, options);
-    let floor = chosen_floor(scene.name, &bodies, options, &scale, report)?;
+    let levels = Levels::of(scene, &bodies, options, scale.metres);
+    let floor = chosen_floor(scene.name, &bodies, options, (&levels, scale.metres), report)?;
     Ok(Standing { bodies, floor, metres: scale.metres })
+}
+
+/// Storeys that a scene shows by itself, from the lowest, without an IFC beside it; none where it cannot be read.
+pub fn storeys(file: &str, bytes: &[u8], options: &ReadOptions) -> Vec<StoreyInfo> {
+    let Ok(scene) = File::open(file, bytes, &options.buffers) else { return Vec::new() };
+    let (shown, report) = (scene.shown(), &mut Report::default());
+    let options = &*twin::taken(&scene, &shown, options, report);
+    let bodies = bodies(&scene, &shown, options, report).list;
+    let metres = Scale::of(&bodies, options).metres;
+    Levels::of(&scene, &bodies, options, metres).storeys(options).to_vec()
 }
 
 /// Why a wall that should stand at a height shows nothing there: it is flat.
@@ -447,41 +366,6 @@ fn state_low(
         named.join(", ")
     );
     report.info("gltf-not-cut", Place::file(scene.name), text);
-}
-
-/// The height above which most walls are cut: where walls start most often; `above` in units of the scene.
-fn floor(bodies: &[Body<'_>], metres: f64, above: f64) -> f64 {
-    let is_wall = |b: &&Body<'_>| b.layer == SCENE_LAYER || b.is_wall;
-    let walls: Vec<&Body<'_>> = bodies.iter().filter(is_wall).collect();
-    let walls: Vec<&Body<'_>> = if walls.is_empty() { bodies.iter().collect() } else { walls };
-    // Where no name tells, what is as high as a storey does: furniture and footings do not.
-    let is_unnamed = walls.iter().any(|b| b.layer == SCENE_LAYER);
-    let high = |b: &&Body<'_>| (b.high - b.low) * metres >= STOREY_HIGH_M;
-    let tall: Vec<&Body<'_>> = walls.iter().copied().filter(|b| is_unnamed && high(b)).collect();
-    let walls = if tall.is_empty() { walls } else { tall };
-    let sorted = |mut values: Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        values
-    };
-    let below = |values: &[f64], z: f64| values.partition_point(|v| *v < z);
-    // What is flat is nowhere cut; of the rest all that ends at a height or below it starts below it.
-    let solid = || walls.iter().filter(|b| b.low < b.high);
-    let (lows, highs) = (sorted(solid().map(|b| b.low).collect()), sorted(solid().map(|b| b.high).collect()));
-    let cut = |floor: f64| {
-        let z = floor + above;
-        below(&lows, z) - highs.partition_point(|v| *v <= z)
-    };
-    let mut floors = sorted(walls.iter().map(|b| b.low).collect());
-    let all = floors.clone();
-    let near = |floor: f64| {
-        let slack = FLOOR_M / metres;
-        below(&all, floor + slack) - all.partition_point(|v| *v <= floor - slack)
-    };
-    floors.dedup_by(|a, b| (*a - *b).abs() < 1e-6 / metres);
-    floors
-        .into_iter()
-        .max_by(|a, b| (cut(*a), near(*a)).cmp(&(cut(*b), near(*b))).then(b.total_cmp(a)))
-        .unwrap_or(0.0)
 }
 
 /// Shows what of a body is cut, and gathers in `regions` the nodes whose word makes a region of it, each with the word.

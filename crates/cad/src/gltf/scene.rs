@@ -1,14 +1,14 @@
 //! A file taken apart: JSON, binary data, nodes with their place in the world.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::{Arc, OnceLock};
 
 use base64::Engine;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 use super::glb::{AGAIN, Chunk, chunks, fault};
-use super::json::{Json, parse};
+use super::json::{Json, Value, parse};
 use super::limits::{DATA_MAX, DEPTH_MAX, NODES_MAX, OUTER_MAX, REPEATS_MAX};
 use crate::own_layers;
 use enfilade_report::Error;
@@ -93,6 +93,17 @@ impl Shown {
     }
 }
 
+/// What a scene shows, and what not.
+#[derive(Clone, Debug)]
+pub(super) struct Walked {
+    /// Nodes that are shown, in the order of the file.
+    pub shown: Vec<Shown>,
+    /// What cannot be used and is left out, in words.
+    pub odd: Vec<String>,
+    /// Nodes with meshes that the file hides, each once (`KHR_node_visibility`).
+    pub hidden: BTreeSet<usize>,
+}
+
 /// A node that is still to be looked at.
 struct Open {
     node: usize,
@@ -101,12 +112,24 @@ struct Open {
     above: Option<usize>,
     /// Nodes above it.
     depth: usize,
+    /// Whether what it hangs on is hidden.
+    is_hidden: bool,
 }
 
 impl Open {
     fn root(node: usize) -> Self {
-        Self { node, parent: DAffine3::IDENTITY, above: None, depth: 0 }
+        Self { node, parent: DAffine3::IDENTITY, above: None, depth: 0, is_hidden: false }
     }
+}
+
+/// Whether a node hides itself and all that hangs on it.
+fn is_hiding(node: &Json) -> bool {
+    visible(node).is_some_and(|v| v.value == Value::Bool(false))
+}
+
+/// What a node says of its visibility.
+pub(super) fn visible(node: &Json) -> Option<&Json> {
+    node.get("extensions")?.get("KHR_node_visibility")?.get("visible")
 }
 
 /// Members of the root that are lists; ours are put behind what is in them.
@@ -171,13 +194,13 @@ impl<'a> File<'a> {
             .map(|(i, s)| (format!("/scenes/{i}/nodes"), s.get("nodes")));
         let of_root = LISTS.iter().map(|key| (format!("/{key}"), self.json.get(key)));
         for (pointer, value) in of_root.chain(scenes) {
-            if value.is_some_and(|v| !matches!(v.value, super::json::Value::Array(_))) {
+            if value.is_some_and(|v| !matches!(v.value, Value::Array(_))) {
                 return Err(fault(self.name, "gltf-json", &pointer, "found something else, expected a list"));
             }
         }
         let required = self.json.list("extensionsRequired");
         for (i, e) in required.iter().enumerate() {
-            if let super::json::Value::Text(name) = &e.value
+            if let Value::Text(name) = &e.value
                 && PACKED.contains(&name.as_str())
             {
                 let text = format!("the meshes are packed by {name}; export again without compression");
@@ -234,25 +257,38 @@ impl<'a> File<'a> {
         Ok(out)
     }
 
-    /// Nodes of the shown scene in the order of the file; what hangs in a ring is left out and named.
-    pub fn shown(&self) -> (Vec<Shown>, Vec<String>) {
+    /// Nodes that hang in no other: of the scene that is shown, of the file where that names none.
+    fn roots(&self) -> Vec<usize> {
         let nodes = self.json.list("nodes");
         let scene = self.json.index("scene").unwrap_or(0);
-        let roots: Vec<usize> = match self.json.list("scenes").get(scene) {
+        match self.json.list("scenes").get(scene) {
             Some(s) => s.list("nodes").iter().filter_map(index).collect(),
             None => {
                 let children: HashSet<usize> =
                     nodes.iter().flat_map(|p| p.list("children").iter().filter_map(index)).collect();
                 (0..nodes.len()).filter(|n| !children.contains(n)).collect()
             }
-        };
-        let (mut out, mut odd): (Vec<(usize, DAffine3, DAffine3)>, _) = (Vec::new(), Vec::new());
+        }
+    }
+
+    /// Nodes that the scene shows, in the order of the file.
+    pub fn shown(&self) -> Vec<Shown> {
+        self.walked().shown
+    }
+
+    /// Nodes of the shown scene in the order of the file; what hangs in a ring is left out and named, what is hidden is left
+    /// out and gathered.
+    pub fn walked(&self) -> Walked {
+        let nodes = self.json.list("nodes");
+        let roots = self.roots();
+        let mut out: Vec<(usize, usize, [DAffine3; 2])> = Vec::new();
+        let (mut odd, mut hidden) = (Vec::new(), BTreeSet::new());
         let (mut seen, mut repeats) = (vec![false; nodes.len()], 0);
         let mut ways: Vec<Link> = Vec::new();
         let mut open: Vec<Open> = roots.into_iter().rev().map(Open::root).collect();
         // The way to what is looked at, and which nodes are on it.
         let (mut path, mut is_on_path): (Vec<usize>, Vec<bool>) = (Vec::new(), vec![false; nodes.len()]);
-        while let Some(Open { node: n, parent, above, depth }) = open.pop() {
+        while let Some(Open { node: n, parent, above, depth, is_hidden }) = open.pop() {
             let Some(node) = nodes.get(n) else {
                 odd.push(format!("/nodes/{n} does not exist; left out"));
                 continue;
@@ -279,11 +315,12 @@ impl<'a> File<'a> {
                 ));
                 break;
             }
-            if out.len() >= NODES_MAX {
+            if ways.len() >= NODES_MAX {
                 odd.push(format!("more than {NODES_MAX} nodes are shown; the rest is left out"));
                 break;
             }
             let world = parent * local(node);
+            let is_hidden = is_hidden || is_hiding(node);
             path.push(n);
             is_on_path[n] = true;
             let at = ways.len();
@@ -296,14 +333,29 @@ impl<'a> File<'a> {
                 parent: world,
                 above: Some(at),
                 depth: depth + 1,
+                is_hidden,
             }));
-            out.push((n, parent, world));
+            if !is_hidden {
+                out.push((at, n, [parent, world]));
+            } else if node.index("mesh").is_some() && !is_own {
+                hidden.insert(n);
+            }
         }
         let ways = Arc::new(ways);
-        let of = |(at, (node, parent, world))| Shown { node, parent, world, ways: Arc::clone(&ways), at };
-        let mut out: Vec<Shown> = out.into_iter().enumerate().map(of).collect();
-        out.sort_by_key(|s| s.node);
-        (out, odd)
+        let of = |(at, node, [parent, world]): (usize, usize, [DAffine3; 2])| Shown {
+            node,
+            parent,
+            world,
+            ways: Arc::clone(&ways),
+            at,
+        };
+        let mut shown: Vec<Shown> = out.into_iter().map(of).collect();
+        shown.sort_by_key(|s| s.node);
+        // What hangs in two nodes is hidden only where both are.
+        shown.iter().for_each(|s| {
+            hidden.remove(&s.node);
+        });
+        Walked { shown, odd, hidden }
     }
 
     fn uses(&self) -> &Uses {
@@ -382,9 +434,38 @@ fn outer<'a>(uri: &str, beside: &'a BTreeMap<String, Arc<[u8]>>) -> Data<'a> {
 mod tests {
     use super::*;
 
-    fn shown_of(nodes: &str) -> (Vec<Shown>, Vec<String>) {
+    fn walked_of(nodes: &str) -> Walked {
         let text = format!(r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{nodes}]}}"#);
-        File::open("a.gltf", text.as_bytes(), &BTreeMap::new()).unwrap().shown()
+        File::open("a.gltf", text.as_bytes(), &BTreeMap::new()).unwrap().walked()
+    }
+
+    fn shown_of(nodes: &str) -> (Vec<Shown>, Vec<String>) {
+        let walked = walked_of(nodes);
+        (walked.shown, walked.odd)
+    }
+
+    /// What a node hides is hidden to the last leaf, whatever that says; what also hangs elsewhere is shown there.
+    #[test]
+    fn what_is_hidden_is_gathered_with_all_below() {
+        let says =
+            |visible: &str| format!(r#""extensions":{{"KHR_node_visibility":{{"visible":{visible}}}}}"#);
+        let (no, yes) = (says("false"), says("true"));
+        for (nodes, shown, hidden) in [
+            (format!(r#"{{"children":[1]}},{{"mesh":0,{no}}}"#), vec![0], vec![1]),
+            (format!(r#"{{"children":[1],{no}}},{{"children":[2]}},{{"mesh":0,{yes}}}"#), vec![], vec![2]),
+            (
+                format!(r#"{{"children":[1,2]}},{{"children":[3],{no}}},{{"children":[3]}},{{"mesh":0}}"#),
+                vec![0, 2, 3],
+                vec![],
+            ),
+            (format!(r#"{{"children":[1]}},{{"mesh":0,{yes}}}"#), vec![0, 1], vec![]),
+            (format!(r#"{{"children":[1]}},{{"mesh":0,{}}}"#, says("0")), vec![0, 1], vec![]),
+            (format!(r#"{{"children":[1]}},{{"name":"EF-MOVE","mesh":0,{no}}}"#), vec![0], vec![]),
+        ] {
+            let walked = walked_of(&nodes);
+            assert_eq!(walked.shown.iter().map(|s| s.node).collect::<Vec<_>>(), shown, "{nodes}");
+            assert_eq!(walked.hidden.into_iter().collect::<Vec<_>>(), hidden, "{nodes}");
+        }
     }
 
     /// Every node of a deep chain is kept once, whatever hangs on it, and knows its way.

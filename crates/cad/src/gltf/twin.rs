@@ -7,7 +7,7 @@ use super::bodies::is_global_id;
 use super::scene::{File, Shown};
 use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions};
 use crate::ifc::Inventory;
-use crate::{SpaceNames, main_storey, storey_at};
+use crate::{SpaceNames, StoreyInfo, main_storey, storey_at};
 use enfilade_report::{Place, Report, counted};
 
 /// What no IFC beside a scene knows.
@@ -58,7 +58,7 @@ pub(super) fn state_marks(file: &str, options: &ReadOptions, report: &mut Report
 /// Whether the IFC beside a scene is used.
 pub fn uses_twin(file: &str, bytes: &[u8], options: &ReadOptions) -> bool {
     let Ok(scene) = File::open(file, bytes, &options.buffers) else { return false };
-    options.twin.is_some() && refusal(&scene, &scene.shown().0, options).is_none()
+    options.twin.is_some() && refusal(&scene, &scene.shown(), options).is_none()
 }
 
 impl ReadOptions {
@@ -73,8 +73,12 @@ impl ReadOptions {
     }
 
     /// The storey that is read, of those that the IFC beside a scene knows.
-    pub(super) fn chosen_storey(&self) -> Option<usize> {
-        let storeys = &self.known().storeys;
+    fn chosen_storey(&self) -> Option<usize> {
+        self.chosen_of(&self.known().storeys)
+    }
+
+    /// The one of some storeys that is read.
+    pub(super) fn chosen_of(&self, storeys: &[StoreyInfo]) -> Option<usize> {
         match self.storey.as_deref() {
             Some(name) => storey_at(storeys.iter().map(|s| s.name.as_str()), name),
             None => main_storey(storeys, self.above_m()),

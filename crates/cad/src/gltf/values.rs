@@ -2,15 +2,23 @@
 
 use std::collections::BTreeSet;
 
+use super::instances;
 use super::json::{Json, Value};
-use super::scene::{File, Shown};
+use super::scene::{File, Shown, visible};
 use enfilade_report::{Place, Report};
 
 /// Most of them that are told one by one.
 pub(super) const TOLD: usize = 20;
 
 /// Extensions that change nothing of where a mesh stands, or that are read: whole names, and how they begin.
-const HARMLESS: [&str; 4] = ["KHR_mesh_quantization", "KHR_animation_pointer", "KHR_xmp_json_ld", "KHR_xmp"];
+const HARMLESS: [&str; 6] = [
+    "KHR_mesh_quantization",
+    "KHR_animation_pointer",
+    "KHR_xmp_json_ld",
+    "KHR_xmp",
+    "KHR_node_visibility",
+    instances::EXTENSION,
+];
 const HARMLESS_STARTS: [&str; 5] =
     ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "MSFT_texture_"];
 
@@ -123,6 +131,10 @@ impl Odd<'_, '_> {
         }
         if let Some(list) = node.get("children") {
             self.indices(&format!("/nodes/{n}/children"), name, list);
+        }
+        if let Some(found) = visible(node).filter(|v| !matches!(v.value, Value::Bool(_))) {
+            let place = place("extensions/KHR_node_visibility/visible");
+            self.say(place, found, "true or false", "the node is shown", false);
         }
         let is_read = node.numbers("matrix").is_some_and(|m| m.len() == 16);
         if let Some(found) = node.get("matrix").filter(|_| !is_read) {

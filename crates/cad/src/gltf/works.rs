@@ -11,6 +11,7 @@ use super::body::Body;
 use super::boxes::{self, Look, NewBox};
 use super::cutter::{Cut, Cutter};
 use super::heights::{clear, is_standing, reach};
+use super::instances;
 use super::lists::{self, Lists};
 use super::motion::z_up;
 use super::read::{Standing, standing};
@@ -39,7 +40,7 @@ pub(super) fn made(
     options: &ReadOptions,
     edits: &[Edit],
 ) -> Result<(Vec<Splice>, Vec<u8>), Error> {
-    let (shown, _) = scene.shown();
+    let shown = scene.shown();
     let standing = standing(scene, &shown, options, &mut Report::default())?;
     let cut = standing.floor + options.above_m() / standing.metres;
     let mut maker = Maker {
@@ -278,6 +279,9 @@ impl<'m> Maker<'m, '_> {
         let (Some(place), None) = (places.next(), places.next()) else {
             return Err("it is not shown exactly once".into());
         };
+        if instances::is_many(&self.scene.json.list("nodes")[node]) {
+            return Err(instances::WHY.into());
+        }
         let hangs = |b: &&Body<'_>| b.element.node != node && b.shown.path().contains(&node);
         if self.standing.bodies.iter().filter(hangs).any(|b| b.is_wall || b.layer == SPACE_LAYER) {
             return Err("other walls hang on it".into());

@@ -30,9 +30,9 @@ use crate::own_layers::DEMOLISHED;
 use crate::phase::Phase;
 use crate::region::{Region, Rule};
 use crate::sizes::Verdict;
-use crate::storeys::{called, is_over, refuse_without_own, state_shared_name};
+use crate::storeys::{is_over, refuse_without_own, state_cut, state_shared_name, state_taken};
 use crate::units::by_heights;
-use crate::{SpaceNames, listed, main_storey, no_storey, storey_at};
+use crate::{SpaceNames, main_storey, no_storey, storey_at};
 use enfilade_report::{Error, Place, Report};
 use north::{north_deg, state_north};
 pub use outdoors::OUTDOORS_LAYER;
@@ -140,7 +140,6 @@ impl<'s, 'a> Building<'s, 'a> {
         report: &mut Report,
     ) -> Result<Option<&Storey>, Error> {
         let list = &self.model.storeys;
-        let names = listed(&super::storeys(self));
         if let Some(name) = wanted {
             state_shared_name(self.file, &super::storeys(self), name, report);
             let found = storey_at(list.iter().map(|s| s.name.as_str()), name);
@@ -149,17 +148,12 @@ impl<'s, 'a> Building<'s, 'a> {
                 Error::usage("storey", Place::file(self.file), format!("--storey \"{name}\": {why}"))
             });
         }
-        let most = main_storey(&super::storeys(self), sight.above_m()).map(|i| &list[i]);
-        if let Some(chosen) = most
-            && list.len() > 1
-        {
-            let text = format!(
-                "storeys: {names}; {} has the most walls and was taken, --storey NAME takes another",
-                called(&chosen.name, self.building_name(chosen).as_deref())
-            );
-            report.info("storey", Place::file(self.file), text);
+        let all = super::storeys(self);
+        let most = main_storey(&all, sight.above_m());
+        if let Some(chosen) = most.filter(|_| all.len() > 1) {
+            state_taken(self.file, &all, &all[chosen], report);
         }
-        Ok(most)
+        Ok(most.map(|i| &list[i]))
     }
 }
 
@@ -208,13 +202,8 @@ pub(super) fn read_storey(
     reader.idle_marks = super::marks::state(building, reader.storey, &shown, report);
     let height = reader.cut - reader.floor;
     if let Some(storey) = storey {
-        let text = format!(
-            "storey \"{}\" cut {:.2} m above its floor at {:.3} m",
-            storey.name,
-            height * building.geo.metres,
-            storey.floor * building.geo.metres
-        );
-        report.info("storey-cut", Place::file(file), text);
+        let heights = [height, storey.floor].map(|h| h * building.geo.metres);
+        state_cut(file, &storey.name, heights, report);
     } else {
         let metres = building.geo.metres;
         let (height, floor) = (height * metres, reader.floor * metres);

@@ -11,6 +11,7 @@ mod dxf_hazards;
 mod dxf_patch;
 mod dxf_works;
 mod gltf_against_the_gltf_crate;
+mod gltf_scenes;
 mod gltf_works;
 mod ifc_works;
 mod support;
