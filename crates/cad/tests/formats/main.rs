@@ -6,6 +6,7 @@ mod cleaned;
 mod dxf_against_ezdxf;
 mod dxf_against_the_dxf_crate;
 mod dxf_blocks;
+mod dxf_clips;
 mod dxf_corpus;
 mod dxf_hazards;
 mod dxf_patch;
