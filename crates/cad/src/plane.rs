@@ -10,6 +10,13 @@ pub fn box_of(points: impl Iterator<Item = DVec2>) -> Option<[DVec2; 2]> {
     })
 }
 
+/// How much of the smaller of two boxes the other covers; nothing where it has no area.
+pub fn shared_of_boxes(a: [DVec2; 2], b: [DVec2; 2]) -> f64 {
+    let area = |[lo, hi]: [DVec2; 2]| (hi - lo).max(DVec2::ZERO).element_product();
+    let least = area(a).min(area(b));
+    if least > 0.0 { area([a[0].max(b[0]), a[1].min(b[1])]) / least } else { 0.0 }
+}
+
 /// Whether a point lies inside a ring (even-odd) that is not closed by a repeated point; on the outline
 /// either.
 pub fn is_inside_ring(ring: &[DVec2], p: DVec2) -> bool {

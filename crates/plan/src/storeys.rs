@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::parallels::pieces;
 use enfilade_cad::drawing::{Drawing, Entity};
 use enfilade_cad::names::base_name;
-use enfilade_cad::plane::box_of;
+use enfilade_cad::plane::{box_of, shared_of_boxes};
 use enfilade_report::{Place, Report};
 
 /// Words that name a storey, lower case.
@@ -73,7 +73,9 @@ pub(super) fn warn(drawing: &Drawing, walls: &[&Entity], report: &mut Report) {
     }
     for same in storeys.values() {
         let pairs = same.iter().enumerate().flat_map(|(i, a)| same[i + 1..].iter().map(move |b| (a, b)));
-        let Some((a, b)) = pairs.into_iter().find(|(a, b)| shared(a.1, b.1) >= SHARED_MIN) else { continue };
+        let Some((a, b)) = pairs.into_iter().find(|(a, b)| shared_of_boxes(a.1, b.1) >= SHARED_MIN) else {
+            continue;
+        };
         let text = format!(
             "layers {:?} and {:?} draw two storeys over one another, read as one plan; --wall-layer {:?} reads one alone",
             a.0, b.0, a.0
@@ -102,13 +104,6 @@ fn without_storey(layer: &str) -> Option<String> {
         }
     }
     None
-}
-
-/// How much of the smaller of two boxes the other covers.
-fn shared(a: [DVec2; 2], b: [DVec2; 2]) -> f64 {
-    let area = |[lo, hi]: [DVec2; 2]| (hi - lo).max(DVec2::ZERO).element_product();
-    let least = area(a).min(area(b));
-    if least > 0.0 { area([a[0].max(b[0]), a[1].min(b[1])]) / least } else { 0.0 }
 }
 
 #[cfg(test)]

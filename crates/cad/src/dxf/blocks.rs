@@ -1,6 +1,6 @@
 //! Blocks: found, weighed, and unfolded where INSERTs show them.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use glam::{DAffine2, DVec2};
@@ -23,7 +23,7 @@ const FOREIGN_FLAGS: i64 = 1 | 4 | 8 | 16;
 pub(super) struct Block {
     /// Name as written, decoded.
     pub name: String,
-    /// Records of its entities.
+    /// Records of its entities; that of its own stands before them.
     pub records: Range<usize>,
     /// Base point.
     pub base: DVec2,
@@ -60,11 +60,15 @@ pub(super) struct Blocks {
     by_name: HashMap<String, usize>,
     /// Of clipped INSERTs by their records the clip, in coordinates of their blocks, or why it cannot be read.
     clips: HashMap<usize, Result<Clip, &'static str>>,
+    /// Blocks by the records of the INSERTs that name them.
+    named: HashMap<usize, usize>,
     shown_pieces: u64,
     /// What model space shows in all.
     sheet: Sheet,
     /// Blocks of which it was said that several INSERTs show them.
     told: Vec<usize>,
+    /// INSERTs within blocks of which it was said that they show a file that is left out.
+    lacking: HashSet<usize>,
 }
 
 impl Blocks {
@@ -74,9 +78,11 @@ impl Blocks {
             list: Vec::new(),
             by_name: HashMap::new(),
             clips: HashMap::new(),
+            named: HashMap::new(),
             shown_pieces: 0,
             sheet: Sheet::default(),
             told: Vec::new(),
+            lacking: HashSet::new(),
         };
         let tokens = reader.tokens;
         let Some(section) = tokens.section(b"BLOCKS") else { return Ok(blocks) };
@@ -121,6 +127,7 @@ impl Blocks {
             if let Some(block) = name.and_then(|name| self.index(&name)) {
                 self.list[block].inserts += 1;
                 self.list[block].insert = record;
+                self.named.insert(record, block);
             }
         }
     }
@@ -128,6 +135,11 @@ impl Blocks {
     /// Index of the block of a name.
     pub fn index(&self, name: &str) -> Option<usize> {
         self.by_name.get(&name.to_uppercase()).copied()
+    }
+
+    /// The block that the INSERT of a record names.
+    pub fn of_insert(&self, record: usize) -> Option<&Block> {
+        Some(&self.list[*self.named.get(&record)?])
     }
 
     /// Reads and weighs a block and all it shows, without recursion: chains may be thousands deep.
@@ -180,6 +192,10 @@ impl Blocks {
     }
 
     fn sum(&self, block: usize) -> Weight {
+        // A file that is left out is something to be told of, wherever it is shown.
+        if self.list[block].xref.is_some() {
+            return Weight::Known { pieces: 1, depth: 0 };
+        }
         let (mut total, mut deepest) = (0u64, 0);
         for item in &self.list[block].items {
             match &item.body {
@@ -211,12 +227,7 @@ impl Blocks {
             return Ok(());
         };
         if let Some(path) = &self.list[block].xref {
-            let text = format!(
-                "block {0} is the external file {path}; never opened, left out of the plan; bind the xref {0} in your CAD \
-                 program (XREF, Bind) and save again",
-                insert.block
-            );
-            reader.warn("dxf-external-reference", item.record, text);
+            external(reader, item.record, &insert.block, path);
             return Ok(());
         }
         self.weigh(reader, block)?;
@@ -415,7 +426,13 @@ impl Blocks {
     fn unfold(&mut self, reader: &mut Reader<'_, '_>, shown: &Shown<'_>, showing: &mut Showing<'_>) {
         let Shown { insert, block, .. } = *shown;
         let own = &mut self.list[block];
-        if own.xref.is_some() || matches!(own.weight, Weight::Known { pieces: 0, .. }) {
+        if let Some(path) = &own.xref {
+            if self.lacking.insert(shown.record) {
+                external(reader, shown.record, &own.name, path);
+            }
+            return;
+        }
+        if matches!(own.weight, Weight::Known { pieces: 0, .. }) {
             return;
         }
         showing.path.push(own.name.clone());
@@ -473,6 +490,15 @@ struct Shown<'i> {
     /// Layer of what lies on layer 0.
     layer: u32,
     how: How<'i>,
+}
+
+/// Says that a block is a file that is not opened.
+fn external(reader: &mut Reader<'_, '_>, insert: usize, block: &str, path: &str) {
+    let text = format!(
+        "block {block} is the external file {path}; never opened, left out of the plan; bind the xref {block} in your CAD program \
+         (XREF, Bind) and save again"
+    );
+    reader.warn("dxf-external-reference", insert, text);
 }
 
 fn missing(reader: &mut Reader<'_, '_>, record: usize, block: &str) {

@@ -10,6 +10,7 @@ use super::fields::{
 use super::reader::Reader;
 use super::text::{plain_mtext, plain_text};
 use crate::drawing::{Editable, Shape, SourceRef, Text, Vertex};
+use crate::own_layers::is_own;
 use enfilade_report::{Error, Severity};
 
 /// What a record draws, in the coordinates of its block or of model space.
@@ -486,7 +487,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// The attributes that an INSERT of a layer shows, each on a layer that is named as its tag; what cannot be read of them
-    /// is left out.
+    /// is left out. Those on a layer of ours, their own or that of the INSERT, are texts there.
     pub fn tags(&self, insert: usize, layer: u32) -> Vec<Text> {
         let one = |record: usize| {
             let fields = Fields::of(self.tokens, record);
@@ -495,8 +496,11 @@ impl<'a> Reader<'a, '_> {
             let Body::Text(at, text) = body else { return None };
             let tag = self.page.decode(fields.value(2)?);
             let is_shown = flag(70) & 1 == 0 && flag(60) == 0 && !text.is_empty();
-            let source = SourceRef { layer: tag.clone(), ..self.source(record, layer) };
-            is_shown.then_some(Text { source, layer: tag, at, text })
+            let own = self.page.decode(fields.value(8).unwrap_or(b"0"));
+            let marked = [own, self.layers.name(layer).to_owned()].into_iter().find(|l| is_own(l));
+            let on = marked.unwrap_or(tag);
+            let source = SourceRef { layer: on.clone(), ..self.source(record, layer) };
+            is_shown.then_some(Text { source, layer: on, at, text })
         };
         attributes(self.tokens, insert).filter_map(one).collect()
     }

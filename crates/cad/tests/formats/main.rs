@@ -10,6 +10,7 @@ mod dxf_clips;
 mod dxf_corpus;
 mod dxf_hazards;
 mod dxf_patch;
+mod dxf_storeys;
 mod dxf_works;
 mod gltf_against_the_gltf_crate;
 mod gltf_works;
