@@ -92,4 +92,14 @@ fn an_attribute_says_how_a_mark_moves() {
         let clauses: Vec<usize> = plan.markers.groups.iter().map(|g| g.clauses.len()).collect();
         assert_eq!(clauses, vec![1; moves], "{insert} {attribute} {hidden}: {:?}", report.problems);
     }
+    // Of several lines.
+    let within = "|70|0|101|Embedded Object|10|4|20|4|1|x -1m 1m\\Py -2m 2m|0|SEQEND";
+    let several = tag("EF-MOVE", "0", 0).replacen(
+        "|1|x -1m 1m|2|MOVES|70|0|0|SEQEND",
+        &format!("|1||2|MOVES{within}"),
+        1,
+    );
+    let (plan, _) =
+        plan(block, &(walls.clone() + &ring("EF-MOVE", [3.5, 2.5, 4.5, 6.5]) + &several)).unwrap();
+    assert_eq!(plan.markers.groups.iter().map(|g| g.clauses.len()).collect::<Vec<_>>(), [2]);
 }
