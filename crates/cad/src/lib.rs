@@ -93,7 +93,12 @@ pub struct SpaceNames {
 
 impl ReadOptions {
     fn dxf(&self) -> dxf::ReadOptions {
-        dxf::ReadOptions { accept_missing_eof: self.accept_missing_eof, ..Default::default() }
+        dxf::ReadOptions {
+            accept_missing_eof: self.accept_missing_eof,
+            unit_of_heights: self.unit,
+            storey: self.storey.clone(),
+            ..Default::default()
+        }
     }
 
     /// Height of the cut above a storey's floor, metres.
@@ -240,6 +245,7 @@ impl<'a> Opened<'a> {
             return (storeys, Some(elements));
         }
         match (format_of(self.file, self.bytes), &options.twin) {
+            (Format::Dxf, _) => (dxf::storeys(self.file, self.bytes, &options.dxf()), None),
             (Format::Ifc, _) => {
                 let found = ifc::inventory(&plain(self.file, self.bytes), options.unit);
                 (found.storeys, Some(found.elements))
@@ -249,7 +255,6 @@ impl<'a> Opened<'a> {
                 let twin = twin.as_ref().filter(|_| gltf::uses_twin(self.file, self.bytes, &own));
                 (gltf::storeys(self.file, self.bytes, &own), twin.map(|t| t.elements))
             }
-            (Format::Dxf, _) => (Vec::new(), None),
         }
     }
 }

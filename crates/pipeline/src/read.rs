@@ -45,8 +45,11 @@ pub(crate) fn drawing(
 ) -> Result<Drawing, Error> {
     let mut drawing = enfilade_cad::read(file, bytes, &read_options(settings), report)?;
     works::add(&mut drawing, settings)?;
-    if let Some(storey) = settings.storey.as_ref().filter(|_| drawing.format == Format::Dxf) {
-        let text = format!("storey {storey:?} was asked for, but a DXF knows no storeys; all of it is read");
+    let is_flat = || enfilade_cad::storeys(file, bytes, &read_options(settings)).is_empty();
+    if let Some(storey) = settings.storey.as_ref().filter(|_| drawing.format == Format::Dxf && is_flat()) {
+        let text = format!(
+            "storey {storey:?} was asked for, but this DXF has no storeys at heights of their own; all of it is read"
+        );
         report.warn("storey-unused", Place::file(file), text);
     }
     Ok(drawing)

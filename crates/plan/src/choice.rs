@@ -52,7 +52,7 @@ pub(super) fn choose_walls(
     let hidden = Hidden::new(drawing);
     let counts = counts(drawing);
     let elements = elements(drawing);
-    let only = only_layer(&counts, &by_name, &hidden);
+    let only = only_layer(&counts, &by_name, &hidden).filter(|_| !lacks_a_file(report));
     let mut layers: Vec<LayerUse> = counts
         .iter()
         .map(|(name, (shapes, texts))| {
@@ -211,7 +211,7 @@ fn layer_use(
     }
 }
 
-/// The layer taken as walls without a name that says so: the only one with lines.
+/// The layer taken as walls without a name that says so: the only one with lines, unless its name says what else it holds.
 fn only_layer<'a>(
     counts: &BTreeMap<&'a str, (usize, usize)>,
     by_name: &WallLayers,
@@ -222,8 +222,13 @@ fn only_layer<'a>(
     }
     let is_open = |l: &str| !own_layers::is_own(l) && !hidden.layer(l) && !is_class(l);
     let mut drawn = counts.iter().filter(|(l, (shapes, _))| *shapes > 0 && is_open(l)).map(|(l, _)| *l);
-    let only = drawn.next();
+    let only = drawn.next().filter(|l| role_by_name(l).0 == Role::Unknown);
     only.filter(|_| drawn.next().is_none())
+}
+
+/// Whether a file that the drawing refers to was left out: the walls may stand there.
+fn lacks_a_file(report: &Report) -> bool {
+    report.problems.iter().any(|p| p.code == "dxf-external-reference")
 }
 
 /// Classes of a building say outright what is a wall: none is taken for one by its looks.

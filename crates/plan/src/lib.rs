@@ -74,7 +74,7 @@ use curve::Trace;
 use enfilade_cad::drawing::{Drawing, Editable, Entity, Format, Shape, Single, SourceRef, Unit};
 use enfilade_cad::{bearing, own_layers};
 use enfilade_engine::geometry::PointUm;
-use enfilade_report::{Error, Place, Report};
+use enfilade_report::{Error, Place, Problem, Report};
 use frame::{BUILT_SIZE_M, Frame, PLAUSIBLE_SIZE_M, UnitChoice};
 use markers::Markers;
 use reading::corrections::{Corrections, with_walls, without_others};
@@ -442,7 +442,11 @@ fn extent_of(walls: &[&Entity]) -> Option<[DVec2; 2]> {
 const WALLS_MIN_M: f64 = 0.001;
 
 /// Problems of readers by which whole blocks are left out.
-const BLOCKS_LEFT_OUT: [&str; 3] = ["dxf-block-cycle", "dxf-block-depth", "dxf-expansion-budget"];
+const BLOCKS_LEFT_OUT: [&str; 4] =
+    ["dxf-block-cycle", "dxf-block-depth", "dxf-expansion-budget", "dxf-external-reference"];
+
+/// Most of them that a refusal names.
+const LEFT_OUT_TOLD: usize = 3;
 
 /// What is said of an entity with coordinates that no plan can have.
 const TOO_FAR: &str = "dxf-bad-coordinate";
@@ -469,9 +473,11 @@ fn no_walls(drawing: &Drawing, chosen: &choice::Chosen, report: &Report) -> Erro
         }
     };
     let (others, help) = undrawn_words(drawing);
-    let left_out = report.problems.iter().find(|p| BLOCKS_LEFT_OUT.contains(&p.code));
+    let mut left_out: Vec<&Problem> =
+        report.problems.iter().filter(|p| BLOCKS_LEFT_OUT.contains(&p.code)).collect();
+    left_out.dedup_by_key(|p| &p.text);
     let mut far = report.problems.iter().filter(|p| p.code == TOO_FAR);
-    if let (None, Some(first)) = (left_out, far.next()) {
+    if let (true, Some(first)) = (left_out.is_empty(), far.next()) {
         let others = if far.next().is_some() { ", and so are others" } else { "" };
         let text = format!(
             "{}{others}; nothing was measured, since no other walls were found; move the drawing near its zero point",
@@ -479,8 +485,13 @@ fn no_walls(drawing: &Drawing, chosen: &choice::Chosen, report: &Report) -> Erro
         );
         return Error::input("no-walls", first.place.clone(), text);
     }
-    let why = left_out.map(|p| format!("{}; besides it ", p.text)).unwrap_or_default();
-    let place = left_out.map_or_else(|| Place::file(&drawing.file), |p| p.place.clone());
+    let told: Vec<&str> = left_out.iter().take(LEFT_OUT_TOLD).map(|p| p.text.as_str()).collect();
+    let why = match told.len() {
+        0 => String::new(),
+        1 => format!("{}; besides it ", told[0]),
+        _ => format!("{}; besides them ", told.join("; ")),
+    };
+    let place = left_out.first().map_or_else(|| Place::file(&drawing.file), |p| p.place.clone());
     let longer = if chosen.walls.is_empty() { "" } else { "longer than a millimetre " };
     let text = format!(
         "{why}no entity {longer}on a wall layer{hint}, layers present: {list}{others}; nothing was measured; {help}{remedy}"

@@ -1,17 +1,19 @@
 //! Blocks: found, weighed, and unfolded where INSERTs show them.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use glam::{DAffine2, DVec2};
 
-use super::curves::{mapped, similarity};
+use super::clip::{Clip, clips};
+use super::curves::similarity;
 use super::entity::{Body, Insert, Item};
 use super::fields::Fields;
 use super::reader::Reader;
-use super::sheet::{How, Sheet, encloses, is_regular, own_editable, pieces};
+use super::sheet::{How, Sheet, encloses, is_regular, pieces};
+use super::showing::{Bound, Showing};
 use crate::curve::control_points;
-use crate::drawing::{Editable, Entity, Origin, Text};
+use crate::drawing::{Editable, Entity, Text};
 use enfilade_report::{Error, Severity};
 
 /// Flags (70) of a block that is nobody's own to change: anonymous, or of an external file.
@@ -21,7 +23,7 @@ const FOREIGN_FLAGS: i64 = 1 | 4 | 8 | 16;
 pub(super) struct Block {
     /// Name as written, decoded.
     pub name: String,
-    /// Records of its entities.
+    /// Records of its entities; that of its own stands before them.
     pub records: Range<usize>,
     /// Base point.
     pub base: DVec2,
@@ -56,11 +58,17 @@ enum Weight {
 pub(super) struct Blocks {
     pub list: Vec<Block>,
     by_name: HashMap<String, usize>,
+    /// Of clipped INSERTs by their records the clip, in coordinates of their blocks, or why it cannot be read.
+    clips: HashMap<usize, Result<Clip, &'static str>>,
+    /// Blocks by the records of the INSERTs that name them.
+    named: HashMap<usize, usize>,
     shown_pieces: u64,
     /// What model space shows in all.
     sheet: Sheet,
     /// Blocks of which it was said that several INSERTs show them.
     told: Vec<usize>,
+    /// INSERTs within blocks of which it was said that they show a file that is left out.
+    lacking: HashSet<usize>,
 }
 
 impl Blocks {
@@ -69,9 +77,12 @@ impl Blocks {
         let mut blocks = Self {
             list: Vec::new(),
             by_name: HashMap::new(),
+            clips: HashMap::new(),
+            named: HashMap::new(),
             shown_pieces: 0,
             sheet: Sheet::default(),
             told: Vec::new(),
+            lacking: HashSet::new(),
         };
         let tokens = reader.tokens;
         let Some(section) = tokens.section(b"BLOCKS") else { return Ok(blocks) };
@@ -108,12 +119,15 @@ impl Blocks {
     /// Counts who names each block, drawn or not, on paper too.
     fn count_inserts(&mut self, reader: &Reader<'_, '_>, section: Range<usize>) {
         let tokens = reader.tokens;
-        let inserts = tokens.section(b"ENTITIES").into_iter().flatten().chain(section);
-        for record in inserts.filter(|&r| tokens.name(r) == b"INSERT") {
+        let all = tokens.section(b"ENTITIES").into_iter().flatten().chain(section);
+        let inserts: Vec<usize> = all.filter(|&r| tokens.name(r) == b"INSERT").collect();
+        self.clips = clips(tokens, inserts.iter().copied());
+        for record in inserts {
             let name = Fields::of(tokens, record).value(2).map(|name| reader.page.decode(name));
             if let Some(block) = name.and_then(|name| self.index(&name)) {
                 self.list[block].inserts += 1;
                 self.list[block].insert = record;
+                self.named.insert(record, block);
             }
         }
     }
@@ -121,6 +135,11 @@ impl Blocks {
     /// Index of the block of a name.
     pub fn index(&self, name: &str) -> Option<usize> {
         self.by_name.get(&name.to_uppercase()).copied()
+    }
+
+    /// The block that the INSERT of a record names.
+    pub fn of_insert(&self, record: usize) -> Option<&Block> {
+        Some(&self.list[*self.named.get(&record)?])
     }
 
     /// Reads and weighs a block and all it shows, without recursion: chains may be thousands deep.
@@ -173,6 +192,10 @@ impl Blocks {
     }
 
     fn sum(&self, block: usize) -> Weight {
+        // A file that is left out is something to be told of, wherever it is shown.
+        if self.list[block].xref.is_some() {
+            return Weight::Known { pieces: 1, depth: 0 };
+        }
         let (mut total, mut deepest) = (0u64, 0);
         for item in &self.list[block].items {
             match &item.body {
@@ -204,11 +227,7 @@ impl Blocks {
             return Ok(());
         };
         if let Some(path) = &self.list[block].xref {
-            let text = format!(
-                "block {} is the external file {path}; never opened, left out of the plan",
-                insert.block
-            );
-            reader.warn("dxf-external-reference", item.record, text);
+            external(reader, item.record, &insert.block, path);
             return Ok(());
         }
         self.weigh(reader, block)?;
@@ -216,10 +235,11 @@ impl Blocks {
             return Ok(());
         }
         let how = self.how(reader, item, insert, block, &DAffine2::IDENTITY);
-        let mut showing = Showing { entities: out.0, texts: out.1, path: Vec::new(), inserts: Vec::new() };
+        let mut showing = Showing::new(out.0, out.1);
         let record = item.record;
         let shown = Shown { insert, record, block, outer: DAffine2::IDENTITY, layer: item.layer, how };
         self.unfold(reader, &shown, &mut showing);
+        showing.hold_cut();
         Ok(())
     }
 
@@ -228,6 +248,7 @@ impl Blocks {
     /// # Errors
     /// Where a value of a block cannot be read.
     pub fn measure(&mut self, reader: &mut Reader<'_, '_>, items: &[Item]) -> Result<(), Error> {
+        self.report_clips(reader);
         let mut sheet = Sheet::default();
         for item in items {
             match &item.body {
@@ -240,7 +261,8 @@ impl Blocks {
                     self.weigh(reader, block)?;
                     let Weight::Known { pieces, .. } = self.list[block].weight else { continue };
                     sheet.pieces = sheet.pieces.saturating_add(copies(insert).saturating_mul(pieces));
-                    self.ring_of(insert, block, &DAffine2::IDENTITY).for_each(|p| sheet.add_corner(p));
+                    let corners = self.ring_of((item.record, insert), block, &DAffine2::IDENTITY);
+                    corners.for_each(|p| sheet.add_corner(p));
                 }
                 _ => {}
             }
@@ -255,7 +277,7 @@ impl Blocks {
             match &item.body {
                 Body::Shape(shape, _) => control_points(shape),
                 Body::Insert(insert) => self.index(&insert.block).map_or_else(Vec::new, |child| {
-                    self.ring_of(insert, child, &DAffine2::IDENTITY).collect()
+                    self.ring_of((item.record, insert), child, &DAffine2::IDENTITY).collect()
                 }),
                 _ => Vec::new(),
             }
@@ -263,15 +285,35 @@ impl Blocks {
         crate::plane::box_of(corners)
     }
 
-    /// The corners of the box round what an INSERT shows; the INSERT stands in a place by `outer`.
+    /// Says whose boundaries cannot be read.
+    fn report_clips(&self, reader: &mut Reader<'_, '_>) {
+        let faults = self.clips.iter().filter_map(|(record, clip)| Some((*record, clip.as_ref().err()?)));
+        let mut faults: Vec<(usize, &&str)> = faults.collect();
+        faults.sort_unstable();
+        for (record, why) in faults {
+            let text = format!(
+                "its clip (XCLIP), found a boundary that cannot be read: {why}; all of the block is shown"
+            );
+            reader.warn("dxf-clip", record, text);
+        }
+    }
+
+    /// The clip of an INSERT, in coordinates of its block.
+    fn clip(&self, insert: usize) -> Option<&Clip> {
+        self.clips.get(&insert)?.as_ref().ok()
+    }
+
+    /// The corners of the box round what an INSERT of a record shows; the INSERT stands in a place by `outer`.
     fn ring_of(
         &self,
-        insert: &Insert,
+        (record, insert): (usize, &Insert),
         block: usize,
         outer: &DAffine2,
     ) -> impl Iterator<Item = DVec2> + use<> {
         let map = *outer * placement(insert, self.list[block].base, [0, 0]);
-        let ring = self.list[block].extent.map(|[lo, hi]| {
+        let extent = self.list[block].extent;
+        let extent = extent.and_then(|all| self.clip(record).map_or(Some(all), |clip| clip.limited(all)));
+        let ring = extent.map(|[lo, hi]| {
             [lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)].map(|p| map.transform_point2(p))
         });
         ring.into_iter().flatten()
@@ -314,10 +356,11 @@ impl Blocks {
         let own = &self.list[block];
         let Weight::Known { pieces, .. } = own.weight else { return with };
         let map = *outer * placement(insert, own.base, [0, 0]);
-        let ring: Vec<DVec2> = self.ring_of(insert, block, outer).collect();
+        let ring: Vec<DVec2> = self.ring_of((item.record, insert), block, outer).collect();
         // What a frozen layer hides is known by its INSERT.
         let is_frozen = reader.layers.list[item.layer as usize].is_frozen;
-        let is_whole = copies(insert) > 1 || !own.is_plain || is_frozen || !is_regular(&map);
+        let is_clipped = self.clips.contains_key(&item.record);
+        let is_whole = copies(insert) > 1 || !own.is_plain || is_frozen || is_clipped || !is_regular(&map);
         if is_whole || self.sheet.is_thing(&ring, pieces) {
             return with;
         }
@@ -383,7 +426,13 @@ impl Blocks {
     fn unfold(&mut self, reader: &mut Reader<'_, '_>, shown: &Shown<'_>, showing: &mut Showing<'_>) {
         let Shown { insert, block, .. } = *shown;
         let own = &mut self.list[block];
-        if own.xref.is_some() || matches!(own.weight, Weight::Known { pieces: 0, .. }) {
+        if let Some(path) = &own.xref {
+            if self.lacking.insert(shown.record) {
+                external(reader, shown.record, &own.name, path);
+            }
+            return;
+        }
+        if matches!(own.weight, Weight::Known { pieces: 0, .. }) {
             return;
         }
         showing.path.push(own.name.clone());
@@ -391,9 +440,12 @@ impl Blocks {
         // Lent out, so that blocks within can be looked at.
         let items = std::mem::take(&mut own.items);
         let base = own.base;
+        let clip = self.clip(shown.record).cloned();
+        let mut counts = [0; 2];
         for row in 0..insert.count[1] {
             for column in 0..insert.count[0] {
                 let map = shown.outer * placement(insert, base, [column, row]);
+                showing.clips.extend(clip.as_ref().map(|c| Bound { clip: c.mapped(&map), counts }));
                 for item in &items {
                     let is_by_block = reader.layers.name(item.layer) == "0";
                     let layer = if is_by_block { shown.layer } else { item.layer };
@@ -413,7 +465,13 @@ impl Blocks {
                     let shown = Shown { insert: inner, record, block: child, outer: map, layer, how };
                     self.unfold(reader, &shown, showing);
                 }
+                if clip.is_some() {
+                    counts = showing.clips.pop().map_or(counts, |bound| bound.counts);
+                }
             }
+        }
+        if clip.is_some() {
+            state_clipped(reader, shown.record, &self.list[block].name, counts);
         }
         self.list[block].items = items;
         showing.path.pop();
@@ -434,9 +492,27 @@ struct Shown<'i> {
     how: How<'i>,
 }
 
+/// Says that a block is a file that is not opened.
+fn external(reader: &mut Reader<'_, '_>, insert: usize, block: &str, path: &str) {
+    let text = format!(
+        "block {block} is the external file {path}; never opened, left out of the plan; bind the xref {block} in your CAD program \
+         (XREF, Bind) and save again"
+    );
+    reader.warn("dxf-external-reference", insert, text);
+}
+
 fn missing(reader: &mut Reader<'_, '_>, record: usize, block: &str) {
     let text = format!("block {block}, found no such block; the INSERT shows nothing, kept in the file");
     reader.warn("dxf-missing-block", record, text);
+}
+
+/// Says that an INSERT is clipped, with how many entities are left out and how many there are.
+fn state_clipped(reader: &mut Reader<'_, '_>, insert: usize, block: &str, [left_out, all]: [usize; 2]) {
+    let text = format!(
+        "block {block} is clipped (XCLIP): {left_out} of its {all} entities lie outside the boundary; left out of the plan, kept \
+         in the file"
+    );
+    reader.note("dxf-clipped", Severity::Info, insert, text);
 }
 
 /// How often an INSERT shows its block.
@@ -454,54 +530,4 @@ pub(super) fn placement(insert: &Insert, base: DVec2, cell: [u64; 2]) -> DAffine
         * DAffine2::from_translation(shift)
         * DAffine2::from_scale(insert.scale)
         * DAffine2::from_translation(-base)
-}
-
-/// Where the shapes of an INSERT of model space go, and the names of the blocks on the way.
-struct Showing<'o> {
-    entities: &'o mut Vec<Entity>,
-    texts: &'o mut Vec<Text>,
-    path: Vec<String>,
-    /// Records of the INSERTs on the way.
-    inserts: Vec<usize>,
-}
-
-impl Showing<'_> {
-    fn add(&mut self, reader: &mut Reader<'_, '_>, item: &Item, map: &DAffine2, layer: u32, how: &How<'_>) {
-        let (record, own_layer) = match how {
-            How::Own => (item.record, layer),
-            How::With { insert, .. } => (insert.record, insert.layer),
-        };
-        let source = reader.source(record, own_layer);
-        let layer = reader.layers.name(layer).to_owned();
-        match &item.body {
-            Body::Shape(drawn, editable) => {
-                let shape = mapped(drawn, map, reader.five_mm);
-                if reader.insane_point(&shape).is_some() {
-                    let text =
-                        "what it shows has coordinates that are no finite numbers within the limit; left out";
-                    reader.warn("dxf-bad-coordinate", record, text);
-                    return;
-                }
-                let editable = match how {
-                    How::Own => own_editable(drawn, editable, map),
-                    How::With { editable, .. } => editable.clone(),
-                };
-                let blocks = self.path.clone();
-                let origin = Origin { inserts: self.inserts.clone(), ..reader.origin(item.record) };
-                self.entities.push(Entity { source, layer, shape, editable, blocks, origin });
-            }
-            Body::Fill(shape) => {
-                let shape = mapped(shape, map, reader.five_mm);
-                if reader.insane_point(&shape).is_none() {
-                    let origin = Origin { inserts: self.inserts.clone(), ..reader.origin(item.record) };
-                    reader.add_fill((source, origin), layer, shape, self.path.clone());
-                }
-            }
-            Body::Text(at, text) => {
-                let at = map.transform_point2(*at);
-                self.texts.push(Text { source, layer, at, text: text.clone() });
-            }
-            Body::Insert(_) => {}
-        }
-    }
 }

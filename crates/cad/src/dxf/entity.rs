@@ -9,7 +9,9 @@ use super::fields::{
 };
 use super::reader::Reader;
 use super::text::{plain_mtext, plain_text};
+use super::tokens::Pair;
 use crate::drawing::{Editable, Shape, SourceRef, Text, Vertex};
+use crate::own_layers::is_own;
 use enfilade_report::{Error, Severity};
 
 /// What a record draws, in the coordinates of its block or of model space.
@@ -486,28 +488,43 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// The attributes that an INSERT of a layer shows, each on a layer that is named as its tag; what cannot be read of them
-    /// is left out.
+    /// is left out. Those on a layer of ours, their own or that of the INSERT, are texts there.
     pub fn tags(&self, insert: usize, layer: u32) -> Vec<Text> {
         let one = |record: usize| {
             let fields = Fields::of(self.tokens, record);
             let flag = |code: i32| self.int(&fields, code, 0).unwrap_or(0);
             let body = self.text(&fields).ok()?.and_then(|body| self.checked(body)).ok()?;
-            let Body::Text(at, text) = body else { return None };
+            let Body::Text(at, own) = body else { return None };
+            let text = self.lines_of(record).unwrap_or(own);
             let tag = self.page.decode(fields.value(2)?);
             let is_shown = flag(70) & 1 == 0 && flag(60) == 0 && !text.is_empty();
-            let source = SourceRef { layer: tag.clone(), ..self.source(record, layer) };
-            is_shown.then_some(Text { source, layer: tag, at, text })
+            let own = self.page.decode(fields.value(8).unwrap_or(b"0"));
+            let marked = [own, self.layers.name(layer).to_owned()].into_iter().find(|l| is_own(l));
+            let on = marked.unwrap_or(tag);
+            let source = SourceRef { layer: on.clone(), ..self.source(record, layer) };
+            is_shown.then_some(Text { source, layer: on, at, text })
         };
         attributes(self.tokens, insert).filter_map(one).collect()
     }
 
     fn mtext(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
         let at = self.point(fields, 10)?.truncate();
-        let mut raw = Vec::new();
-        for (_, pair) in own_pairs(self.tokens, fields.record).filter(|(_, p)| matches!(p.code, 1 | 3)) {
-            raw.extend_from_slice(self.tokens.raw(pair));
-        }
-        Ok(Ok(Body::Text(at, plain_mtext(&self.page.decode(&raw)).trim().to_owned())))
+        let text = self.joined(own_pairs(self.tokens, fields.record).map(|(_, pair)| pair));
+        Ok(Ok(Body::Text(at, text)))
+    }
+
+    /// The text of an attribute of several lines: that of the MTEXT within it.
+    fn lines_of(&self, attribute: usize) -> Option<String> {
+        let within = self.tokens.record(attribute).iter().skip_while(|p| p.code != 101);
+        let text = self.joined(within.take_while(|p| p.code < 1000));
+        (!text.is_empty()).then_some(text)
+    }
+
+    /// The text of an MTEXT, of which long ones stand in several groups.
+    fn joined<'p>(&self, pairs: impl Iterator<Item = &'p Pair>) -> String {
+        let parts = pairs.filter(|p| matches!(p.code, 1 | 3)).map(|p| self.tokens.raw(p));
+        let raw = parts.collect::<Vec<_>>().concat();
+        plain_mtext(&self.page.decode(&raw)).trim().to_owned()
     }
 }
 

@@ -16,6 +16,8 @@ mod attached;
 mod blocks;
 mod boundary;
 mod clean;
+mod clip;
+mod clipped;
 mod colour;
 mod complete;
 mod curves;
@@ -24,6 +26,7 @@ mod entity;
 mod fields;
 mod fill;
 mod header;
+mod heights;
 mod limits;
 mod links;
 mod multiline;
@@ -34,6 +37,8 @@ mod read;
 mod reader;
 mod refill;
 mod sheet;
+mod showing;
+mod storeys;
 mod strip;
 mod text;
 mod tokens;
@@ -46,7 +51,7 @@ pub use limits::*;
 pub use links::{Tied, host_ids, tied};
 pub use patch::{ChangedRecord, changed_records, patch};
 pub use poche::Following;
-pub use read::read;
+pub use read::{read, storeys};
 pub use refill::{Probe, fills_at};
 pub use strip::strip_own;
 
@@ -56,12 +61,17 @@ pub(super) use tokens::BINARY_SENTINEL;
 use crate::drawing::Unit;
 
 /// How to read a drawing.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// Takes files of programs that never write `0/EOF`; off, because a cut file looks the same.
     pub accept_missing_eof: bool,
     /// The unit the user stated, if any; only limits and tolerances use it, coordinates stay as drawn.
     pub unit: Option<Unit>,
+    /// The unit in which heights are taken, where the user stated one.
+    pub unit_of_heights: Option<Unit>,
+    /// The storey to read where several are drawn over one another at heights of their own, by its name or number; `None`:
+    /// the one with most walls.
+    pub storey: Option<String>,
     /// Limits, named one by one in [`Limits`].
     pub limits: Limits,
 }

@@ -5,12 +5,16 @@ use super::blocks::Blocks;
 use super::complete::{Completeness, foreign, is_complete};
 use super::entity::Body;
 use super::header::Header;
+use super::heights::{Heights, is_raised};
 use super::reader::Reader;
+use super::storeys::Storeys;
 use super::tokens::{Fault, Form, Tokens, tokenize};
 use crate::drawing::{Drawing, Entity, Format, IdleMarks, Text};
+use crate::own_layers::is_own;
+use crate::storeys::StoreyInfo;
 use enfilade_report::{Error, Place, Report, Severity};
 
-/// Reads a drawing.
+/// Reads a drawing; of storeys that are drawn over one another, each at its own height, one.
 ///
 /// `file` is the name to show in places. Entities come out in file order, blocks unfolded, in drawing
 /// units. What is odd but harmless goes to `report`; entities that cannot be trusted are left out there
@@ -18,8 +22,31 @@ use enfilade_report::{Error, Place, Report, Severity};
 ///
 /// # Errors
 /// [`Error::Input`] where the bytes are no whole DXF: empty, cut off, another format, UTF-16, a group
-/// code or number that cannot be read, a limit of [`Limits`](super::Limits) passed.
+/// code or number that cannot be read, a limit of [`Limits`](super::Limits) passed. [`Error::Usage`] for a storey that is
+/// not there, where there are several.
 pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
+    let (mut drawing, storeys) = with_storeys(file, bytes, options, report)?;
+    if let Some(storeys) = storeys {
+        storeys.keep_one(&mut drawing, options.storey.as_deref(), report)?;
+    }
+    Ok(drawing)
+}
+
+/// The storeys that are drawn over one another, each at its own height, from the lowest; none where all is one storey or the
+/// bytes cannot be read.
+pub fn storeys(file: &str, bytes: &[u8], options: &ReadOptions) -> Vec<StoreyInfo> {
+    let may_have = tokenize(bytes, &options.limits).is_ok_and(|tokens| is_raised(&tokens));
+    let read = may_have.then(|| with_storeys(file, bytes, options, &mut Report::default()).ok()).flatten();
+    read.and_then(|(_, storeys)| storeys).map_or_else(Vec::new, |storeys| storeys.list)
+}
+
+/// Reads all of a drawing, and which storeys it has.
+fn with_storeys(
+    file: &str,
+    bytes: &[u8],
+    options: &ReadOptions,
+    report: &mut Report,
+) -> Result<(Drawing, Option<Storeys>), Error> {
     let tokens = checked_tokens(file, bytes, options, report)?;
     let header = Header::read(&tokens);
     let mut reader = Reader::new(file, &tokens, &header, options, report);
@@ -38,7 +65,10 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     for item in items {
         refuse_many(file, entities.len() + reader.fills.len(), options)?;
         if let Body::Insert(_) = item.body {
-            tags.extend(reader.tags(item.record, item.layer));
+            let shown = reader.tags(item.record, item.layer).into_iter();
+            let (marks, others): (Vec<Text>, Vec<Text>) = shown.partition(|t| is_own(&t.layer));
+            texts.extend(marks);
+            tags.extend(others);
             blocks.show(&mut reader, &item, (&mut entities, &mut texts))?;
             continue;
         }
@@ -63,7 +93,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     reader.report_left_out();
     reader.finish_notes();
     reader.records.sort_unstable_by_key(|r| r.record);
-    Ok(Drawing {
+    let drawing = Drawing {
         file: file.to_owned(),
         format: Format::Dxf,
         version: header.version_words(),
@@ -90,7 +120,14 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         undrawn,
         records: reader.records,
         written,
-    })
+    };
+    let storeys = if is_raised(&tokens) {
+        let unit = options.unit_of_heights.or(options.unit).or(header.unit());
+        Storeys::of(&drawing, &mut Heights::new(&tokens, &blocks), unit)
+    } else {
+        None
+    };
+    Ok((drawing, storeys))
 }
 
 /// The pairs of a file that is whole, or the reason it is not taken.

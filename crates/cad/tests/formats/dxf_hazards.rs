@@ -221,7 +221,7 @@ fn blocks_unfold_within_their_budget() {
         ("14", block("A", &format!("{line}|{}", insert("A"))), insert("a"), "dxf-block-cycle: a block includes itself: A > A; the INSERT is left out".into()),
         ("15", format!("{}|{}", block("A", &insert("B")), block("B", &insert("A"))), insert("A"), "dxf-block-cycle: a block includes itself: A > B > A; the INSERT is left out".into()),
         ("16", chain.join("|"), insert("K0"), "dxf-block-depth: block K0 nests 5001 levels deep, expected at most 100; the INSERT is left out".into()),
-        ("33", "0|BLOCK|8|0|2|X|70|4|10|0|20|0|1|\\\\server\\share\\x.dwg|0|ENDBLK".into(), insert("X"), "dxf-external-reference: block X is the external file \\\\server\\share\\x.dwg; never opened, left out of the plan".into()),
+        ("33", "0|BLOCK|8|0|2|X|70|4|10|0|20|0|1|\\\\server\\share\\x.dwg|0|ENDBLK".into(), insert("X"), "dxf-external-reference: block X is the external file \\\\server\\share\\x.dwg; never opened, left out of the plan; bind the xref X in your CAD program (XREF, Bind) and save again".into()),
     ];
     for (name, blocks, entities, expected) in cases {
         let (count, problems) = findings(&blocks, &entities);

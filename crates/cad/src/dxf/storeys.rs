@@ -1,0 +1,188 @@
+//! Storeys that a drawing shows over one another, each at its own height.
+
+use std::collections::HashSet;
+
+use glam::DVec2;
+
+use super::heights::Heights;
+use crate::curve::control_points;
+use crate::drawing::{Drawing, Entity, Text, Unit};
+use crate::own_layers::is_own;
+use crate::plane::{box_of, share_of_smaller};
+use crate::roles::{Role, role_by_name};
+use crate::storeys::{StoreyInfo, listed, main_storey, no_storey, storey_at};
+use crate::units::by_heights;
+use enfilade_report::{Error, Place, Report};
+
+/// Heights this near to one another, metres, are one floor: platforms and slips of the pen.
+const SAME_M: f64 = 0.1;
+
+/// Heights of storeys, metres: below them something stands on the floor, above them the heights are no storeys'.
+const STOREY_M: [f64; 2] = [2.0, 12.0];
+
+/// The walls of a storey have at least this share of the length and of the corners of those of the largest.
+const SHARE_MIN: f64 = 0.25;
+
+/// Fewest corners and ends of the walls of a storey.
+const CORNERS_MIN: usize = 8;
+
+/// Storeys lie over one another where their boxes share this much of the smaller one.
+const SHARED_MIN: f64 = 0.5;
+
+/// The share of lines of walls that rise, above which this is no pile of plans but a model, or its heights are slips.
+const RISING_MAX: f64 = 0.05;
+
+/// The storeys of a drawing, two or more.
+pub(super) struct Storeys {
+    /// What they are called and have, from the lowest.
+    pub list: Vec<StoreyInfo>,
+    /// The storey of each entity, fill, text and tag.
+    of: [Vec<usize>; 4],
+}
+
+/// Walls at one height.
+struct Floor {
+    /// Drawing units.
+    z: f64,
+    extent: [DVec2; 2],
+    length: f64,
+    corners: usize,
+}
+
+impl Storeys {
+    /// Finds the storeys; `unit` is the drawing's as far as somebody states it.
+    pub fn of(drawing: &Drawing, heights: &mut Heights<'_, '_>, unit: Option<Unit>) -> Option<Self> {
+        let all: Vec<[f64; 2]> = drawing.entities.iter().map(|e| heights.of(&e.origin)).collect();
+        let walls = walls(drawing);
+        let rising = walls.iter().filter(|i| all[**i][1] > all[**i][0]).count();
+        if rising as f64 > RISING_MAX * walls.len() as f64 {
+            return None;
+        }
+        let drawn = walls.iter().map(|i| (all[*i][0], &drawing.entities[*i]));
+        let (floors, metres) = floors(drawn.collect(), unit)?;
+        let near = SAME_M / metres;
+        let storey_of = |z: f64| floors.partition_point(|floor| *floor <= z + near).saturating_sub(1);
+        let of_entities: Vec<usize> = all.iter().map(|z| storey_of(z[0])).collect();
+        let info = |(i, z): (usize, &f64)| StoreyInfo {
+            building: None,
+            name: format!("floor {}", i + 1),
+            // Without the sign of a zero.
+            floor_m: z * metres + 0.0,
+            walls: walls.iter().filter(|w| of_entities[**w] == i).count(),
+            top_m: None,
+        };
+        let list = floors.iter().enumerate().map(info).collect();
+        let of_fills = drawing.fills.iter().map(|e| storey_of(heights.of(&e.origin)[0])).collect();
+        let mut of_texts =
+            |texts: &[Text]| texts.iter().map(|t| storey_of(heights.of_text(t))).collect::<Vec<_>>();
+        let (texts, tags) = (of_texts(&drawing.texts), of_texts(&drawing.tags));
+        Some(Self { list, of: [of_entities, of_fills, texts, tags] })
+    }
+
+    /// Leaves one storey in the drawing: the one that is asked for, else the one with most walls, the lowest of several.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a storey that is not there.
+    pub fn keep_one(
+        self,
+        drawing: &mut Drawing,
+        wanted: Option<&str>,
+        report: &mut Report,
+    ) -> Result<(), Error> {
+        let place = Place::file(&drawing.file);
+        let storey = match wanted {
+            Some(name) => {
+                let found = storey_at(self.list.iter().map(|s| s.name.as_str()), name);
+                let why = || format!("--storey \"{name}\": {}", no_storey(&self.list, name, "none"));
+                found.ok_or_else(|| Error::usage("storey", place, why()))?
+            }
+            None => {
+                let most = main_storey(&self.list, 0.0).unwrap_or(0);
+                let text = format!(
+                    "storeys: {}; \"{}\" has the most walls and was taken, --storey NAME takes another",
+                    listed(&self.list),
+                    self.list[most].name
+                );
+                report.info("storey", place, text);
+                most
+            }
+        };
+        let [entities, fills, texts, tags] = self.of;
+        // Who marks the plan draws on the ground, whichever storey he means.
+        let marks = |layers: &mut dyn Iterator<Item = (&String, &usize)>| -> Vec<usize> {
+            layers.filter(|(layer, _)| is_own(layer)).map(|(_, storey)| *storey).collect()
+        };
+        let mut all_marks = marks(&mut drawing.entities.iter().map(|e| &e.layer).zip(&entities));
+        all_marks.extend(marks(&mut drawing.texts.iter().map(|t| &t.layer).zip(&texts)));
+        let is_one = all_marks.windows(2).all(|w| w[0] == w[1]);
+        let stays = |layer: &str, of: usize| of == storey || is_one && is_own(layer);
+        keep(&mut drawing.entities, &entities, |e, of| stays(&e.layer, of));
+        keep(&mut drawing.fills, &fills, |e, of| stays(&e.layer, of));
+        keep(&mut drawing.texts, &texts, |t, of| stays(&t.layer, of));
+        keep(&mut drawing.tags, &tags, |_, of| of == storey);
+        Ok(())
+    }
+}
+
+/// Keeps those of a list whose storeys are so.
+fn keep<T>(list: &mut Vec<T>, storeys: &[usize], stays: impl Fn(&T, usize) -> bool) {
+    let mut next = storeys.iter();
+    list.retain(|one| next.next().is_some_and(|storey| stays(one, *storey)));
+}
+
+/// The entities that are walls by the names of their layers; where none is so named those on layers whose names say nothing.
+fn walls(drawing: &Drawing) -> Vec<usize> {
+    let on = |is_it: fn(Role) -> bool| -> Vec<usize> {
+        let layers = drawing.layers.iter().map(|l| l.name.as_str());
+        let named: HashSet<&str> = layers.filter(|l| !is_own(l) && is_it(role_by_name(l).0)).collect();
+        let is_on = |i: &usize| named.contains(drawing.entities[*i].layer.as_str());
+        (0..drawing.entities.len()).filter(is_on).collect()
+    };
+    let by_name = on(|role| matches!(role, Role::Wall | Role::Column));
+    if by_name.is_empty() { on(|role| role == Role::Unknown) } else { by_name }
+}
+
+/// Heights of the floors, drawing units, and metres in one of these; nothing where the walls stand on one floor. `walls`: with
+/// their heights.
+fn floors(mut walls: Vec<(f64, &Entity)>, unit: Option<Unit>) -> Option<(Vec<f64>, f64)> {
+    walls.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Without a unit the heights tell it; until then only what is equal is one height.
+    let gathered = |near: f64| -> Vec<Floor> {
+        let mut all: Vec<Floor> = walls.chunk_by(|a, b| b.0 - a.0 <= near).filter_map(floor).collect();
+        let most = |of: fn(&Floor) -> f64| all.iter().map(of).fold(0.0, f64::max);
+        let [length, corners] = [most(|f| f.length), most(|f| f.corners as f64)].map(|most| SHARE_MIN * most);
+        all.retain(|f| f.corners >= CORNERS_MIN && f.length >= length && f.corners as f64 >= corners);
+        all
+    };
+    let gaps = |floors: &[Floor]| floors.windows(2).map(|w| w[1].z - w[0].z).collect::<Vec<f64>>();
+    let metres = unit.or_else(|| by_heights(&gaps(&gathered(0.0))))?.metres;
+    let mut floors: Vec<Floor> = Vec::new();
+    for next in gathered(SAME_M / metres) {
+        let rise_m = floors.last().map_or(f64::INFINITY, |last| (next.z - last.z) * metres);
+        // What stands on a floor belongs to it.
+        if rise_m >= STOREY_M[0] {
+            floors.push(next);
+        }
+    }
+    let is_over = |w: &[Floor]| {
+        (w[1].z - w[0].z) * metres <= STOREY_M[1] && share_of_smaller(w[0].extent, w[1].extent) >= SHARED_MIN
+    };
+    let are_storeys = floors.len() > 1 && floors.windows(2).all(is_over);
+    are_storeys.then(|| (floors.iter().map(|f| f.z).collect(), metres))
+}
+
+/// The walls of a height together.
+fn floor(walls: &[(f64, &Entity)]) -> Option<Floor> {
+    let points = || walls.iter().flat_map(|w| control_points(&w.1.shape));
+    Some(Floor {
+        z: walls.first()?.0,
+        extent: box_of(points())?,
+        length: walls.iter().map(|w| length(w.1)).sum(),
+        corners: points().count(),
+    })
+}
+
+/// How long a shape is from corner to corner, drawing units.
+fn length(e: &Entity) -> f64 {
+    control_points(&e.shape).windows(2).map(|w| w[0].distance(w[1])).sum()
+}
