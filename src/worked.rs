@@ -24,10 +24,15 @@ impl Work {
         self.clock.elapsed()
     }
 
+    /// Processor time since then, on all cores together.
+    pub fn worked(&self) -> Duration {
+        worked().saturating_sub(self.worked)
+    }
+
     /// Whether this process has worked so long since then, on all cores together, or has waited [`WAITS_MAX`] times as
     /// long.
     pub fn is_over(&self, limit: Duration) -> bool {
-        worked().saturating_sub(self.worked) >= limit || self.elapsed() >= limit.saturating_mul(WAITS_MAX)
+        self.worked() >= limit || self.elapsed() >= limit.saturating_mul(WAITS_MAX)
     }
 }
 

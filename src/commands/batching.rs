@@ -172,7 +172,7 @@ fn done(args: &RunJobArgs, cancel: &Cancel) -> Result<Finished, Error> {
         }
         // What is not kept is measured again by the next try.
         JobEvent::Keep { bytes, is_anew } => drop(home.remember(&bytes, is_anew)),
-        JobEvent::Analysis(_) | JobEvent::SoFar { .. } => {}
+        JobEvent::Analysis(_) | JobEvent::SoFar { .. } | JobEvent::Worked(_) => {}
     };
     // Only the name is shown: paths differ from machine to machine.
     let outcome = super::round(&job.name(), &request, &settings, &mut tell, cancel);

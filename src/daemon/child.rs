@@ -29,6 +29,9 @@ pub(super) const OUT_OF_MEMORY: &str = "job-out-of-memory";
 /// Code of a job whose process was ended from outside.
 pub(super) const JOB_KILLED: &str = "job-killed";
 
+/// A job says so often how much processor time it has taken.
+const WORK_SAID: Duration = Duration::from_millis(500);
+
 /// A stop is seen within this time.
 const LOOK: Duration = Duration::from_millis(20);
 /// A child whose answers have ended is given this long to end by itself, so that the reason told is its own.
@@ -91,6 +94,7 @@ enum Frame {
     Analysis { files: Vec<(PathBuf, u64)> },
     SoFar { files: Vec<(PathBuf, u64)>, progress: Value },
     Keep { is_anew: bool, bytes: u64 },
+    Worked { secs: f64 },
     Done { files: Vec<(PathBuf, u64)>, is_degraded: bool, summary: String },
     Failed { exit_code: u8, problem: Option<Told> },
 }
@@ -233,6 +237,10 @@ fn attend(
             Frame::SoFar { files, progress } => {
                 tell(JobEvent::SoFar { files: out_files(files, parts), progress })
             }
+            Frame::Worked { secs } => {
+                // A child that says nonsense has said nothing.
+                Duration::try_from_secs_f64(secs).into_iter().for_each(|d| tell(JobEvent::Worked(d)));
+            }
             Frame::Keep { is_anew, .. } => {
                 tell(JobEvent::Keep { bytes: parts.pop().unwrap_or_default(), is_anew })
             }
@@ -256,7 +264,7 @@ impl Frame {
                 files.iter().map(|f| f.1).collect()
             }
             Self::Keep { bytes, .. } => vec![*bytes],
-            Self::Progress { .. } | Self::Failed { .. } => Vec::new(),
+            Self::Progress { .. } | Self::Worked { .. } | Self::Failed { .. } => Vec::new(),
         }
     }
 }
@@ -390,7 +398,7 @@ pub fn serve(
         return answer(&Err(Error::environment("job-version", Place::default(), text)));
     }
     limit(&head);
-    stand_back(if head.is_long { Duration::ZERO } else { SHORT });
+    count_work(head.is_long);
     let cancel = Cancel::default();
     let on_stop = cancel.clone();
     thread::spawn(move || {
@@ -407,6 +415,7 @@ pub fn serve(
         }
         let _ = match event {
             JobEvent::Progress(value) => send(&Frame::Progress { value }, &[]),
+            JobEvent::Worked(worked) => send(&Frame::Worked { secs: worked.as_secs_f64() }, &[]),
             JobEvent::Analysis(files) => send(&Frame::Analysis { files: names(&files) }, &parts(&files)),
             JobEvent::SoFar { files, progress } => {
                 send(&Frame::SoFar { files: names(&files), progress }, &parts(&files))
@@ -548,30 +557,44 @@ fn limit(head: &Request) {
 #[cfg(not(unix))]
 fn limit(_: &Request) {}
 
-/// After so long the job leaves the processor to shorter ones. Linux keeps a priority for each thread; those that begin
-/// later have that of the one that began them.
-#[cfg(target_os = "linux")]
-fn stand_back(after: Duration) {
-    use rustix::process::{Pid, setpriority_process};
-    let now = || {
-        let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
-        let ids = threads.filter_map(|t| t.file_name().to_str()?.parse().ok().and_then(Pid::from_raw));
-        // A thread that has just ended needs none.
-        ids.for_each(|id| {
-            let _ = setpriority_process(Some(id), LONG_NICE);
-        });
-    };
-    if after.is_zero() {
-        return now();
+/// Says now and then how much processor time the job has taken; from [`SHORT`] on it leaves the processor to shorter
+/// ones.
+fn count_work(is_long: bool) {
+    if is_long {
+        stand_back();
     }
+    let (work, mut is_back) = (Work::begin(), is_long);
     thread::spawn(move || {
-        thread::sleep(after);
-        now();
+        loop {
+            thread::sleep(WORK_SAID);
+            let worked = work.worked();
+            if worked > SHORT && !is_back {
+                is_back = true;
+                stand_back();
+            }
+            // Nobody listens any more: the job ends by that too.
+            if send(&Frame::Worked { secs: worked.as_secs_f64() }, &[]).is_err() {
+                return;
+            }
+        }
+    });
+}
+
+/// Leaves the processor to others. Linux keeps a priority for each thread; those that begin later have that of the one
+/// that began them.
+#[cfg(target_os = "linux")]
+fn stand_back() {
+    use rustix::process::{Pid, setpriority_process};
+    let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let ids = threads.filter_map(|t| t.file_name().to_str()?.parse().ok().and_then(Pid::from_raw));
+    // A thread that has just ended needs none.
+    ids.for_each(|id| {
+        let _ = setpriority_process(Some(id), LONG_NICE);
     });
 }
 
 #[cfg(not(target_os = "linux"))]
-fn stand_back(_: Duration) {}
+fn stand_back() {}
 
 #[cfg(unix)]
 #[cfg(test)]

@@ -24,6 +24,7 @@ use state::{State, is_waited_for};
 use words::{how_watched, shown, taken};
 
 use super::hands::{Content, Looked, Message, Waiting, is_unreadable, open_journal, reporter, start_looker};
+use super::job::Told;
 use super::status::{
     SharedDisk, Standing, UNFINISHED, UNFINISHED_OR_FAILED, content_of_results, rfc3339, settle, settle_gone,
     settle_stopped, write_standing,
@@ -270,13 +271,18 @@ impl Heart {
                 self.keys.insert(path.clone(), key);
                 self.settle.on_check(now, &path, checked);
             }
+            Message::Told(id, Told::Worked(worked)) => {
+                let running = self.running.iter_mut().find(|r| r.id == id);
+                running.into_iter().for_each(|r| r.worked = Some(worked));
+            }
             Message::Told(id, told) => {
                 if let Some(running) = self.running.iter_mut().find(|r| r.id == id) {
                     running.is_reading &= told.is_reading();
                     running.is_searching |= told.is_searching();
                     running.has_best |= told.is_best();
-                    let notice = told.notice(&running.what.drawing);
-                    self.tell(notice, show);
+                    if let Some(notice) = told.notice(&running.what.drawing) {
+                        self.tell(notice, show);
+                    }
                 }
             }
             Message::Ended(id, outcome) => {

@@ -21,6 +21,8 @@ pub(super) enum Told {
     Progress(Value),
     Analysis(PathBuf),
     Problem(Problem),
+    /// How much processor time the job has taken.
+    Worked(Duration),
 }
 
 impl Told {
@@ -28,7 +30,7 @@ impl Told {
     pub(super) fn is_reading(&self) -> bool {
         match self {
             Self::Progress(value) => is_reading(value),
-            Self::Problem(_) => true,
+            Self::Problem(_) | Self::Worked(_) => true,
             Self::Analysis(_) => false,
         }
     }
@@ -44,12 +46,14 @@ impl Told {
         matches!(self, Self::Progress(value) if value["stage"] == SO_FAR)
     }
 
-    pub(super) fn notice(self, drawing: &Path) -> Notice {
+    /// What the user hears of it, if anything.
+    pub(super) fn notice(self, drawing: &Path) -> Option<Notice> {
         let drawing = drawing.to_path_buf();
         match self {
-            Self::Progress(value) => Notice::Progress { drawing, value },
-            Self::Analysis(folder) => Notice::Analysis { drawing, folder },
-            Self::Problem(problem) => Notice::Problem { path: drawing, problem },
+            Self::Progress(value) => Some(Notice::Progress { drawing, value }),
+            Self::Analysis(folder) => Some(Notice::Analysis { drawing, folder }),
+            Self::Problem(problem) => Some(Notice::Problem { path: drawing, problem }),
+            Self::Worked(_) => None,
         }
     }
 }
@@ -185,6 +189,7 @@ impl Desk<'_> {
                     self.cancel.stop();
                 }
             },
+            JobEvent::Worked(worked) => (self.tell)(Told::Worked(worked)),
             // What is not kept is measured again.
             JobEvent::Keep { bytes, is_anew } => drop(self.home.remember(&bytes, is_anew)),
         }

@@ -109,6 +109,8 @@ pub enum JobEvent {
         /// As in [`JobEvent::Progress`]; the folder is added.
         progress: Value,
     },
+    /// How much processor time it has taken so far.
+    Worked(Duration),
     /// To be kept until the job is done, and given back as [`JobRequest::earlier`] should it be killed.
     Keep {
         /// The bytes.
@@ -121,7 +123,11 @@ pub enum JobEvent {
 impl JobEvent {
     /// Whether the drawing may not be understood yet when this comes.
     fn is_reading(&self) -> bool {
-        matches!(self, Self::Progress(value) if is_reading(value))
+        match self {
+            Self::Progress(value) => is_reading(value),
+            Self::Worked(_) => true,
+            _ => false,
+        }
     }
 }
 
@@ -355,7 +361,7 @@ pub fn run_once(
         results: PathBuf::new(),
     };
     show(Notice::Started(path.clone()));
-    let mut tell = |told: job::Told| show(told.notice(&path));
+    let mut tell = |told: job::Told| told.notice(&path).into_iter().for_each(&mut *show);
     let write_stopped = || status::write_end(&SystemDisk, &path, &placing, &request.sha256, &Error::Stopped);
     let outcome = until_stopped(stop, &write_stopped, || {
         job::perform(Arc::new(SystemDisk), &request, &placing, run, stop, &mut tell, &mut |_, _| Ok(()))

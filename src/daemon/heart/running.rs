@@ -23,6 +23,8 @@ pub(super) struct Running {
     pub(super) what: Waiting,
     pub(super) cancel: Cancel,
     since: Instant,
+    /// How much processor time it has taken, as it says itself.
+    pub(super) worked: Option<Duration>,
     /// Whether its drawing is not understood yet.
     pub(super) is_reading: bool,
     /// Whether its search has begun.
@@ -36,6 +38,11 @@ pub(super) struct Running {
 }
 
 impl Running {
+    /// Its processor time; by the clock as long as it has said nothing.
+    fn worked(&self) -> Duration {
+        self.worked.unwrap_or_else(|| self.since.elapsed())
+    }
+
     /// The first reason holds.
     pub(super) fn stop(&mut self, why: &'static str) {
         self.cancel.stop();
@@ -72,7 +79,7 @@ impl Heart {
     fn busy(&self) -> Vec<Busy> {
         let one = |r: &Running| Busy {
             takes: self.estimate(&r.what),
-            ran: r.since.elapsed(),
+            worked: r.worked(),
             memory: r.share.memory_bytes,
             is_ending: r.cancel.is_stopped(),
         };
@@ -142,6 +149,7 @@ impl Heart {
             what,
             cancel,
             since,
+            worked: None,
             is_reading: true,
             is_searching: false,
             has_best: false,
@@ -154,13 +162,10 @@ impl Heart {
 
     /// How long the drawing takes, for the order of the next jobs.
     fn time(&mut self, running: &Running, outcome: &Outcome) {
-        let drawing = || running.what.drawing.clone();
-        if matches!(outcome, Outcome::Ended(Ok(_))) {
-            // Those beside it had their part of the processor.
-            let beside = u32::try_from(self.running.len()).unwrap_or(0);
-            self.took.insert(drawing(), running.since.elapsed() / (beside + 1));
-        } else if [GIVES_WAY, TOO_LONG, READING_TOO_LONG].contains(&running.why) {
-            self.took.insert(drawing(), running.since.elapsed());
+        let is_known = matches!(outcome, Outcome::Ended(Ok(_)))
+            || [GIVES_WAY, TOO_LONG, READING_TOO_LONG].contains(&running.why);
+        if is_known {
+            self.took.insert(running.what.drawing.clone(), running.worked());
         }
     }
 
