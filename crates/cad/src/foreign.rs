@@ -62,7 +62,23 @@ pub(super) fn kind_of(bytes: &[u8]) -> Option<(String, &'static str)> {
     let starts = |mark: &[u8]| text.get(..mark.len()).is_some_and(|t| t.eq_ignore_ascii_case(mark));
     let found = found.or_else(|| TEXTS.iter().find(|(mark, ..)| starts(mark)));
     let named = found.map(|&(_, what, hint)| (what.to_owned(), hint));
-    named.or_else(|| is_binary(bytes).then(|| ("binary data that is no drawing".into(), EXPORT)))
+    named
+        .or_else(|| is_binary(bytes).then(|| ("binary data that is no drawing".into(), EXPORT)))
+        .or_else(|| is_other_text(text).then(|| ("text that is no drawing".into(), EXPORT)))
+}
+
+/// What stands near the beginning of every drawing.
+const DRAWINGS: [&str; 7] = ["SECTION", "ISO-10303", "asset", "glTF", "PK", "AutoCAD", "STEP"];
+
+/// Whether the first line is written to its end and begins no drawing: no group code, no word of another format.
+fn is_other_text(text: &[u8]) -> bool {
+    let head = String::from_utf8_lossy(&text[..text.len().min(HEAD_BYTES)]);
+    let Some((first, _)) = head.split_once('\n') else { return false };
+    let is_code = first.trim().parse::<i32>().is_ok();
+    !is_code
+        && !text.contains(&0)
+        && !head.trim_start().starts_with('{')
+        && !DRAWINGS.iter().any(|d| head.contains(d))
 }
 
 /// Letters of two bytes by which a text without a byte order mark is known.
@@ -147,6 +163,9 @@ mod tests {
         let building =
             b"<?xml version=\"1.0\"?>\n<ifc:ifcXML xmlns=\"http://www.buildingsmart-tech.org/ifcXML\">";
         assert!(refusal(building).unwrap()[1].contains("found IFC as XML"));
+        for text in refusal(b"milk\nbread\n").unwrap() {
+            assert!(text.contains("text that is no drawing"), "{text}");
+        }
         let page = b" \r\n<!DOCTYPE html><title>Log in</title>";
         assert!(refusal(page).unwrap()[0].contains("a web page"));
     }
@@ -168,6 +187,9 @@ mod tests {
         for bytes in [
             &b"  0\nSECTION\n"[..],
             b"999\nBMW works\n",
+            b"milk, br",
+            b"/* by hand */\nISO-10303-21;\n",
+            b"\n{\n\"asset\":",
             b"AutoCAD Binary DXF\r\n\x1a\0\0SECTION\0",
             b"ISO-10303-21;",
             b"{\"asset\":",

@@ -4,7 +4,7 @@
 use super::canvas::{Anchor, Canvas, Pen, path_of};
 use super::font::{Weight, width_px};
 use super::frame::{Frame, Key};
-use super::palette::{GREY, INK, Rgb};
+use super::palette::{GREY, INK, PAPER, Rgb};
 use super::picture::{
     BUILT_LOOK, DEMOLISHED_LOOK, FloorShape, Look, PlanPicture, RegionKind, Stroke, StrokeKind, draw_alike,
     draw_region, draw_strokes,
@@ -64,7 +64,18 @@ fn draw_plan(canvas: &mut Canvas, frame: &Frame, picture: &PlanPicture) {
     // A new wall is a wall too: in red it lies on its black.
     let built = picture.strokes.iter().filter(|s| s.kind == StrokeKind::Built);
     draw_alike(canvas, frame, built, BUILT_LOOK);
+    draw_in_walls(canvas, frame, picture);
     picture.floor.iter().for_each(|f| name(canvas, frame, f));
+}
+
+/// Doors and windows in walls that are drawn through them: seen through all the same, so the wall is white there.
+fn draw_in_walls(canvas: &mut Canvas, frame: &Frame, picture: &PlanPicture) {
+    for (kind, look) in [(StrokeKind::Window, WINDOW_LOOK), (StrokeKind::Door, DOOR_LOOK)] {
+        let all = picture.strokes.iter().filter(|s| s.kind == kind && s.filled);
+        draw_alike(canvas, frame, all.clone(), Look::solid(PAPER, 1.0, 0.0));
+        let outlines: Vec<Stroke> = all.map(|s| Stroke { filled: false, ..s.clone() }).collect();
+        draw_alike(canvas, frame, outlines.iter(), look);
+    }
 }
 
 /// How strongly floor is shaded.

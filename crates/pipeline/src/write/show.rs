@@ -15,7 +15,7 @@ use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Addition, Format, Mark, Shape, SourceRef, Vertex, place_in};
 use enfilade_config::Penalty;
 use enfilade_engine::Region;
-use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
+use enfilade_engine::geometry::{PointUm, Segment, Side, UM_PER_M, side_of_ring};
 use enfilade_moves::Layout;
 use enfilade_moves::carried::{Carried, carried};
 use enfilade_overlay::measure::{counts_cells, wording};
@@ -202,11 +202,19 @@ pub(crate) fn check_picture(base: &Understood, sensed: &Sensed, rooms: &[Room]) 
     out.strokes.extend(left_out.map(|(t, is_glass)| stroke_of(&base.plan, t, false, kind(*is_glass))));
     let named = base.openings.iter().map(|o| {
         let kind = if o.is_door { StrokeKind::Door } else { StrokeKind::Window };
-        stroke_of(&base.plan, &o.outline, false, kind)
+        stroke_of(&base.plan, &o.outline, stands_in_wall(&base.plan, &o.outline), kind)
     });
     out.strokes.extend(named);
     out.strokes.extend(doubtful);
     out
+}
+
+/// Whether what closes an opening stands in a solid wall that the file does not cut there.
+fn stands_in_wall(plan: &Plan, outline: &Trace) -> bool {
+    let count = outline.points.len().max(1) as i64;
+    let middle = [0, 1].map(|k| outline.points.iter().map(|p| p[k]).sum::<i64>() / count);
+    let solids = plan.walls.iter().filter(|w| w.is_solid && w.trace.is_closed);
+    solids.into_iter().any(|w| side_of_ring(&w.trace.points, middle) == Side::Inside)
 }
 
 /// Doors and windows: those that the file calls so, else those understood.

@@ -33,7 +33,15 @@ fn case(file: &str) -> Option<Vec<u8>> {
 type Said = Option<(&'static str, &'static str)>;
 
 /// Each file, the storey asked for, its rooms, and what is said of it.
-const READ: [(&str, Option<&str>, &str, Said); 15] = [
+const READ: [(&str, Option<&str>, &str, Said); 23] = [
+    ("01-xclip-clipped-floor.dxf", None, "LIVING 39.3", Some(("dxf-clipped", "block FLOOR is clipped"))),
+    ("03-mark-text-attrib.dxf", None, "LIVING 39.3, KITCHEN 27.7, BEDROOM 27.1", None),
+    ("04-two-storeys-z.dxf", None, "39.3, 27.7, 27.1", Some(("storey", "\"floor 2\" (floor 3.000 m"))),
+    ("04-two-storeys-z.dxf", Some("2"), "38.6, 28.6, 26.9", None),
+    ("20-gpu-instancing.gltf", None, "39.5, 27.2, 27.1", None),
+    ("21-node-visibility.gltf", None, "39.3, 27.7, 27.1", Some(("gltf-hidden", "Wall hidden option"))),
+    ("22-two-levels.glb", None, "", Some(("storey", "1 \"Level 1\""))),
+    ("22-two-levels.glb", Some("Level 1"), "39.3, 27.7, 27.1", None),
     ("02-room-names-attrib.dxf", None, "LIVING 39.3, KITCHEN 27.7, BEDROOM 27.1", None),
     ("07-archicad-wall-blocks.dxf", None, "LIVING 39.3, KITCHEN 27.7, BEDROOM 27.1", None),
     ("08-room-wc.dxf", None, "Wohnen 39.3, WC 27.7, Bad 27.1", None),
@@ -97,4 +105,16 @@ fn doors_windows_and_moves_are_those_of_the_file() {
     screen.iter_mut().for_each(|deg| *deg = deg.rem_euclid(180.0).round());
     screen.sort_by(f64::total_cmp);
     assert_eq!(screen, [30.0, 120.0]);
+}
+
+/// Where the walls lie in another file, the refusal names it and the cure.
+#[test]
+fn drawings_without_their_walls_are_refused() {
+    for (file, named) in
+        [("05-xref-walls-furniture.dxf", "bind the xref GF"), ("06-xref-two-layers.dxf", "ARCH-BASE.dwg")]
+    {
+        let Some(bytes) = case(file) else { return };
+        let error = checked(file, &bytes, None).unwrap_err().to_string();
+        assert!(error.contains(named), "{error}");
+    }
 }
