@@ -60,7 +60,7 @@ const READ: [(&str, Option<&str>, &str, Said); 23] = [
     ),
     ("14-two-buildings.ifc", Some("1"), "39.3, 27.7, 27.1", Some(("ifc-buildings", "\"Haus B\""))),
     ("14-two-buildings.ifc", Some("2"), "39.3, 27.7, 27.0", Some(("ifc-buildings", "\"Haus A\""))),
-    ("15-lining-over-door.ifc", None, "39.3, 27.5, 27.1", Some(("ifc-door-covered", "\"Lining P1\""))),
+    ("15-lining-over-door.ifc", None, "39.3, 27.5, 27.1", Some(("ifc-door-covered", "\"Lining P1"))),
     ("16-projection.ifc", None, "39.3, 27.7, 26.7", None),
     ("17-zone-names.ifc", None, "CHIMIE 39.3, WC 27.7, BACTERIOLOGIE 27.1", None),
     ("18-garden-court.ifc", None, "HALL 242.2", None),
