@@ -37,6 +37,8 @@ pub const BEFORE: &str = "EF-BEFORE";
 pub const NOTE: &str = "EF-NOTE";
 /// What one opening in each wall would bring.
 pub const WORKS: &str = "EF-WORKS";
+/// Layers of items of the brief start so, with the number of the item behind.
+pub const BRIEF_PREFIX: &str = "EF-BRIEF-";
 /// Layers of coloured cells start so.
 pub const HEAT_PREFIX: &str = "EF-HEAT-";
 
@@ -76,8 +78,10 @@ pub fn name_in(text: &str) -> Option<String> {
 
 /// Whether results are drawn on a layer (the user's marks are not).
 pub fn is_result(layer: &str) -> bool {
-    let begins = layer.get(..HEAT_PREFIX.len()).is_some_and(|p| p.eq_ignore_ascii_case(HEAT_PREFIX));
-    begins || [MOVED, BEFORE, NOTE, WORKS].iter().any(|l| l.eq_ignore_ascii_case(layer))
+    let begins = |prefix: &str| layer.get(..prefix.len()).is_some_and(|p| p.eq_ignore_ascii_case(prefix));
+    begins(HEAT_PREFIX)
+        || begins(BRIEF_PREFIX)
+        || [MOVED, BEFORE, NOTE, WORKS].iter().any(|l| l.eq_ignore_ascii_case(layer))
 }
 
 /// Whether a layer holds marks of the user's.
@@ -173,7 +177,9 @@ mod tests {
         for layer in ["EF-FURN", "EF-NOTE-MY", "EF-NET", "EFFLUENT", "é"] {
             assert!(!is_own(layer), "{layer}");
         }
-        for layer in ["EF-NOTE", "ef-heat-degree", "xref$0$EF-MOVE", "EF_KEEP", "ef-query:hall"] {
+        for layer in
+            ["EF-NOTE", "ef-heat-degree", "EF-BRIEF-12", "xref$0$EF-MOVE", "EF_KEEP", "ef-query:hall"]
+        {
             assert!(is_own(layer), "{layer}");
         }
     }

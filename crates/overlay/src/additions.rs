@@ -182,13 +182,13 @@ fn note(lines: &[String], bounds: [[f64; 2]; 2], whole: [[f64; 2]; 2]) -> Option
 }
 
 /// Height of letters in proportion to the plan, metres.
-fn letter_height([lo, hi]: [[f64; 2]; 2]) -> f64 {
+pub(super) fn letter_height([lo, hi]: [[f64; 2]; 2]) -> f64 {
     let diagonal = (hi[0] - lo[0]).hypot(hi[1] - lo[1]);
     (diagonal * NOTE_HEIGHT_SHARE).clamp(NOTE_HEIGHT_M[0], NOTE_HEIGHT_M[1])
 }
 
 /// Signs that old code pages and CAD fonts lack, written otherwise.
-fn plain(text: &str) -> String {
+pub(super) fn plain(text: &str) -> String {
     text.replace(['−', '–'], "-").replace('\u{202f}', " ").replace('…', "...")
 }
 

@@ -43,21 +43,29 @@ pub struct BriefRoom {
 impl BriefResult {
     /// How many items have a verdict.
     pub fn count(&self, verdict: &str) -> usize {
-        self.items.iter().filter(|i| i.verdict == verdict).count()
+        count(&self.items, verdict)
     }
 
     /// `3 items pass, 1 fails, 2 cannot be told from a plan.`
     pub fn summary(&self) -> String {
-        let [pass, untold, fail] = VERDICTS.map(|v| self.count(v.0));
-        let items = |n: usize| if n == 1 { "1 item".to_owned() } else { format!("{n} items") };
-        let s = |n: usize| if n == 1 { "s" } else { "" };
-        format!(
-            "{}: {pass} pass{}, {fail} fail{}, {untold} cannot be told from a plan.",
-            items(self.items.len()),
-            if pass == 1 { "es" } else { "" },
-            s(fail)
-        )
+        summary(&self.items)
     }
+}
+
+fn count(items: &[BriefItem], verdict: &str) -> usize {
+    items.iter().filter(|i| i.verdict == verdict).count()
+}
+
+fn summary(items: &[BriefItem]) -> String {
+    let [pass, untold, fail] = VERDICTS.map(|v| count(items, v.0));
+    let all = |n: usize| if n == 1 { "1 item".to_owned() } else { format!("{n} items") };
+    let s = |n: usize| if n == 1 { "s" } else { "" };
+    format!(
+        "{}: {pass} pass{}, {fail} fail{}, {untold} cannot be told from a plan.",
+        all(items.len()),
+        if pass == 1 { "es" } else { "" },
+        s(fail)
+    )
 }
 
 /// How strongly ground is shaded: what fails more than what passes.
@@ -76,7 +84,7 @@ const CORNERS: usize = 64;
 /// As [`heat_map_png`](super::heat_map::heat_map_png).
 pub fn brief_png(
     picture: &PlanPicture,
-    brief: &BriefResult,
+    brief: &[BriefItem],
     to_plan: &dyn Fn([f64; 2]) -> [f64; 2],
     longest_px: u32,
 ) -> Result<Vec<u8>, Error> {
@@ -85,18 +93,18 @@ pub fn brief_png(
     let px = |p: &[f64; 2]| frame.to_px(to_plan(*p));
     // What fails lies above what passes.
     for (name, ..) in VERDICTS {
-        for f in brief.items.iter().flat_map(|i| &i.findings).filter(|f| f.verdict == name) {
+        for f in brief.iter().flat_map(|i| &i.findings).filter(|f| f.verdict == name) {
             shade(&mut canvas, f, &px);
         }
     }
     draw_strokes(&mut canvas, &frame, &picture.strokes, faint);
     for (name, ..) in VERDICTS {
-        for f in brief.items.iter().flat_map(|i| &i.findings).filter(|f| f.verdict == name) {
+        for f in brief.iter().flat_map(|i| &i.findings).filter(|f| f.verdict == name) {
             outline(&mut canvas, &frame, f, &px);
         }
     }
     name_rooms(&mut canvas, &frame, picture);
-    frame.head(&mut canvas, "The brief of rooms", &brief.summary());
+    frame.head(&mut canvas, "The brief of rooms", &summary(brief));
     foot(&mut canvas, &frame);
     canvas.into_png()
 }

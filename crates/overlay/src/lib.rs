@@ -16,6 +16,7 @@
 pub mod additions;
 pub mod brief;
 pub mod brief_item;
+pub mod brief_layers;
 pub mod built;
 mod canvas;
 pub mod chart;

@@ -3,7 +3,7 @@
 mod asked;
 mod building;
 mod marks;
-mod told;
+pub(crate) mod told;
 
 use crate::job::{Input, Outcome};
 use crate::read::{self, state_unread};
@@ -45,7 +45,7 @@ pub fn brief_of(
     if has_picture {
         let picture = show::check_picture(&base, &sensed, &rooms);
         let to_plan = |p: [f64; 2]| told::plan_from_metres(&base, p);
-        files.push(OutFile::new("brief.png", brief_png(&picture, &result, &to_plan, DEFAULT_SIDE_PX)?));
+        files.push(OutFile::new("brief.png", brief_png(&picture, &result.items, &to_plan, DEFAULT_SIDE_PX)?));
     }
     Ok(Outcome { result, files, report })
 }

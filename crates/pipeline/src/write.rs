@@ -29,6 +29,7 @@ pub(crate) mod show;
 pub(crate) mod told;
 pub(crate) mod traces;
 
+use crate::brief::told::plan_from_metres;
 use crate::confirm::found::Found;
 use crate::job::{Job, Outcome};
 use crate::round::Round;
@@ -39,6 +40,8 @@ use crate::understand::rooms::rooms_with_kinds;
 use crate::works::{Listed, Offer};
 use crate::write::diversity::{likeness, nearest};
 use crate::write::made::Made;
+use enfilade_overlay::brief::brief_png;
+use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
 use enfilade_overlay::result::{self, RoundResult};
 use enfilade_report::{Error, OutFile, Place, Report};
 
@@ -125,6 +128,12 @@ pub(crate) fn write(
         files.push(OutFile::new("convergence.png", files::convergence(found)?));
         files.push(OutFile::new("diversity.png", files::diversity(study, &made)?));
         let rooms = rooms_with_kinds(&study.base, sensed, job.settings)?;
+        if !round.brief.is_empty() {
+            let shown = show::check_picture(&study.base, sensed, &rooms);
+            let to_plan = |p: [f64; 2]| plan_from_metres(&study.base, p);
+            let png = brief_png(&shown, &round.brief, &to_plan, DEFAULT_SIDE_PX)?;
+            files.push(OutFile::new("brief.png", png));
+        }
         understood = Some(check_picture::check_picture(&study.base, sensed, &rooms)?);
     }
     let maps = maps::maps(study);

@@ -3,7 +3,7 @@
 use super::super::brief_item::{BriefItem, sign};
 use super::super::html::Html;
 use super::super::result::RoundResult;
-use super::option_name;
+use super::{Fitted, option_name};
 
 /// A tick or a cross for every item in every layout.
 fn table(html: &mut Html, result: &RoundResult) {
@@ -28,8 +28,9 @@ fn table(html: &mut Html, result: &RoundResult) {
     html.raw("</tbody>\n</table></div>\n");
 }
 
-/// Every item with its places; nothing where nothing was asked.
-pub(super) fn brief(html: &mut Html, result: &RoundResult) {
+/// Every item with its places, on the plan where pictures are drawn; nothing where nothing was asked.
+pub(super) fn brief(html: &mut Html, input: &Fitted<'_>) {
+    let result = input.input.result;
     if result.brief.is_empty() {
         return;
     }
@@ -46,5 +47,11 @@ pub(super) fn brief(html: &mut Html, result: &RoundResult) {
         }
         html.close("li");
     }
-    html.raw("</ul>\n</section>\n");
+    html.raw("</ul>\n");
+    if let Some(png) = input.brief {
+        html.raw("<figure>\n").picture(png, "sheet", "Each place of the brief in the colour of its verdict");
+        let caption = "Green: holds. Orange: cannot be told from a plan. Red: does not hold. In the drawing each item has a layer, EF-BRIEF-1 and so on.";
+        html.element("figcaption", &[], caption).raw("</figure>\n");
+    }
+    html.raw("</section>\n");
 }

@@ -69,6 +69,8 @@ pub struct ReportInput<'a> {
     pub convergence: Option<&'a [u8]>,
     /// What was understood of the drawing.
     pub understood: Option<&'a [u8]>,
+    /// The brief of rooms on the present layout.
+    pub brief_picture: Option<&'a [u8]>,
     /// What building works would bring.
     pub works: Option<&'a WorksResult>,
     /// Its picture.
@@ -106,7 +108,7 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
     if has_options {
         works::works(&mut html, &fitted);
     }
-    brief::brief(&mut html, input.result);
+    brief::brief(&mut html, &fitted);
     tables::numbers(&mut html, input.result);
     tables::thresholds(&mut html, input.result);
     tables::moves(&mut html, input.result);
@@ -404,7 +406,7 @@ struct Shrunk {
     present: Vec<Vec<u8>>,
     candidates: Vec<Vec<Vec<u8>>>,
     best: Vec<Vec<u8>>,
-    others: [Option<Vec<u8>>; 4],
+    others: [Option<Vec<u8>>; 5],
 }
 
 /// The page's input with the pictures to embed.
@@ -417,6 +419,7 @@ struct Fitted<'a> {
     convergence: Option<&'a [u8]>,
     understood: Option<&'a [u8]>,
     works: Option<&'a [u8]>,
+    brief: Option<&'a [u8]>,
 }
 
 impl Fitted<'_> {
@@ -441,8 +444,14 @@ impl Shrunk {
             present: own(&input.present),
             candidates: input.candidates.iter().map(|c| own(c)).collect(),
             best: own(&input.best),
-            others: [input.diversity, input.convergence, input.understood, input.works_picture]
-                .map(|p| p.map(<[u8]>::to_vec)),
+            others: [
+                input.diversity,
+                input.convergence,
+                input.understood,
+                input.works_picture,
+                input.brief_picture,
+            ]
+            .map(|p| p.map(<[u8]>::to_vec)),
         };
         let mut may_shrink = true;
         while may_shrink && all.pictures().map(|p| p.len()).sum::<usize>() > MAX_PICTURE_BYTES {
@@ -469,7 +478,7 @@ impl Shrunk {
         let views = |views: &'a [View<'a>], pngs: &'a [Vec<u8>]| -> Vec<View<'a>> {
             views.iter().zip(pngs).map(|(v, png)| View { measure: v.measure, png }).collect()
         };
-        let [diversity, convergence, understood, works] = self.others.each_ref().map(|p| p.as_deref());
+        let [diversity, convergence, understood, works, brief] = self.others.each_ref().map(|p| p.as_deref());
         Fitted {
             input,
             present: views(&input.present, &self.present),
@@ -479,6 +488,7 @@ impl Shrunk {
             convergence,
             understood,
             works,
+            brief,
         }
     }
 }
@@ -515,6 +525,7 @@ mod tests {
             understood: None,
             works: None,
             works_picture: None,
+            brief_picture: None,
             archive_axes: Vec::new(),
             archive: Vec::new(),
             command: "",

@@ -12,9 +12,9 @@ use super::{Fitted, wanted};
 /// Works that are listed, allowed and forbidden.
 const SHOWN: [usize; 2] = [5, 3];
 
-/// The list and its picture; nothing where no work was measured.
+/// The list, with its picture where one is drawn; nothing where no work was measured.
 pub(super) fn works(html: &mut Html, input: &Fitted<'_>) {
-    let (Some(works), Some(png)) = (input.input.works, input.works) else { return };
+    let Some(works) = input.input.works else { return };
     html.raw("<section>\n<h2>What one building work would bring</h2>\n<div class=\"pair\">\n<div>\n");
     let [allowed, forbidden] = [true, false].map(|is| works.different(is, SHOWN[usize::from(!is)]));
     if !allowed.is_empty() {
@@ -26,10 +26,13 @@ pub(super) fn works(html: &mut Html, input: &Fitted<'_>) {
         html.raw("<h3>What the rules hold back</h3>\n");
         list(html, works, &forbidden, "ul");
     }
-    html.element("p", &[], &works.proof()).raw("\n</div>\n<figure>\n");
-    html.picture(png, "sheet", "Each wall in the colour of the best opening in it");
-    html.element("figcaption", &[], "Each wall in the colour of the best opening in it; grey: not allowed.");
-    html.raw("</figure>\n</div>\n</section>\n");
+    html.element("p", &[], &works.proof()).raw("\n</div>\n");
+    if let Some(png) = input.works {
+        html.raw("<figure>\n").picture(png, "sheet", "Each wall in the colour of the best opening in it");
+        let caption = "Each wall in the colour of the best opening in it; grey: not allowed.";
+        html.element("figcaption", &[], caption).raw("</figure>\n");
+    }
+    html.raw("</div>\n</section>\n");
 }
 
 /// What works together bring for what they cost: a row a point.

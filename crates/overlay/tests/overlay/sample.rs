@@ -146,6 +146,7 @@ impl Sample {
             convergence: Some(&self.convergence),
             understood: Some(&self.understood),
             works: None,
+            brief_picture: None,
             works_picture: None,
             archive_axes: ["degree", "depth", "entropy", "score", "clearance_m2"].map(str::to_owned).to_vec(),
             archive: self.archive.clone(),

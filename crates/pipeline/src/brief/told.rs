@@ -122,6 +122,6 @@ fn metres(p: PointUm) -> [f64; 2] {
 }
 
 /// Metres of the drawing frame in the plan's.
-pub(super) fn plan_from_metres(base: &Understood, p: [f64; 2]) -> [f64; 2] {
+pub(crate) fn plan_from_metres(base: &Understood, p: [f64; 2]) -> [f64; 2] {
     base.plan.frame.plan_from_um(p.map(|v| (v * UM_PER_M).round() as i64)).to_array()
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
+use crate::brief::told::plan_from_metres;
 use crate::confirm::found::Found;
 use crate::job::Job;
 use crate::measure::study::Study;
@@ -18,6 +19,7 @@ use crate::write::traces::{self, Traces};
 use enfilade_cad::drawing::Addition;
 use enfilade_config::{Measure, Overlay, PairName, Settings};
 use enfilade_overlay::additions::heat_layer;
+use enfilade_overlay::brief_layers::brief_additions;
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
 use enfilade_overlay::measure::{CHANGE, sentence_case};
 use enfilade_overlay::result::{Explanation, RoundResult};
@@ -127,12 +129,14 @@ pub(crate) fn drawings(
         };
         shown.iter().flat_map(of).collect()
     };
+    let to_plan = |p: [f64; 2]| plan_from_metres(&study.base, p);
     let jobs: Vec<Option<usize>> = std::iter::once(None).chain((0..made.len()).map(Some)).collect();
     let files = jobs.par_iter().map(|of| {
         let mut additions = heat(*of);
         let (name, edits) = match of {
             None => {
                 additions.extend(works.into_iter().flat_map(|w| works_additions(&w.walls)));
+                additions.extend(brief_additions(&result.brief, &to_plan, bounds));
                 ("initial".to_string(), Vec::new())
             }
             Some(i) => {
@@ -164,6 +168,7 @@ pub(crate) fn drawings(
                 let Traces { now, before, arrows } = &traces;
                 additions.extend(moved_additions(now, before, &lines, bounds));
                 additions.extend(arrow_additions(arrows, bounds));
+                additions.extend(brief_additions(&m.brief, &to_plan, bounds));
                 (m.name.clone(), m.all_edits())
             }
         };

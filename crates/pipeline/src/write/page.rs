@@ -43,6 +43,7 @@ pub(crate) fn page(
         diversity: png("diversity.png").filter(|_| !result.candidates.is_empty()),
         convergence: png("convergence.png").filter(|_| found.is_some()),
         understood,
+        brief_picture: png("brief.png"),
         works: works.map(|w| &w.result),
         works_picture: works.and_then(|w| w.picture.as_deref()),
         archive_axes,
