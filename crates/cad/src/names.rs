@@ -207,14 +207,19 @@ pub fn is_word(word: &str, listed: &str) -> bool {
 const OUTDOORS: &str = "terrace terraces *terrasse terrasses *terrassen terraza terrazas terrazza terrazze terraco terraço \
                         terras taras balcony balconies *balkon balkone balkons balcon balcons balcones balcone balconi \
                         varanda varandas patio patios courtyard courtyards innenhof hof cour cortile garden gardens \
-                        gardening lawn *garten jardin jardín giardino porch porches yard テラス バルコニー 庭 阳台 露台 \
+                        gardening lawn rasen wiese *garten jardin jardín giardino porch porches yard テラス バルコニー 庭 阳台 露台 \
                         терраса балкон";
 
 /// Whether a name, of a layer or an element, says that it lies in the open air.
 pub fn is_outdoors(name: &str) -> bool {
-    let says = |word: &String| OUTDOORS.split_whitespace().any(|known| is_word(word, known));
+    let is_in_house = |word: &String| INDOORS.contains(&word.as_str());
+    let says =
+        |word: &String| OUTDOORS.split_whitespace().any(|known| is_word(word, known)) && !is_in_house(word);
     words(base_name(name)).iter().any(says)
 }
+
+/// Words that end as one of them does, and name what lies in a house.
+const INDOORS: [&str; 2] = ["kindergarten", "wintergarten"];
 
 /// Whether others join on to a word without a blank: Han characters, and kana or Hangul from two letters on.
 pub fn is_joined(word: &str) -> bool {
@@ -294,11 +299,14 @@ mod tests {
             "BALCONI",
             "Garten",
             "Gardening Area",
+            "Rasen",
             "阳台",
         ] {
             assert!(is_outdoors(name), "{name}");
         }
-        for name in ["Walls", "Decke", "Entrance", "Hofmann", "Yardstick", "0"] {
+        for name in
+            ["Walls", "Kindergarten", "Wintergarten", "Decke", "Entrance", "Hofmann", "Yardstick", "0"]
+        {
             assert!(!is_outdoors(name), "{name}");
         }
     }

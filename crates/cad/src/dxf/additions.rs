@@ -75,6 +75,8 @@ pub(super) struct Writer<'t, 'a> {
     /// Where handles are used: the next one and those taken.
     handles: Option<Handles>,
     owner: Option<Vec<u8>>,
+    /// Height of what is drawn, drawing units.
+    floor: f64,
 }
 
 struct Handles {
@@ -176,7 +178,18 @@ impl<'t, 'a> Writer<'t, 'a> {
             has_true_colour: version >= "AC1018",
             handles: has_handles.then(|| Handles::of(tokens, header)),
             owner: model_space_owner(tokens, section).filter(|_| version >= "AC1015"),
+            floor: 0.0,
         }
+    }
+
+    /// The same for what lies on a floor at a height.
+    pub fn on(self, floor: f64) -> Self {
+        Self { floor, ..self }
+    }
+
+    /// Height of what is drawn, drawing units.
+    pub fn floor(&self) -> f64 {
+        self.floor
     }
 
     fn code(&mut self, code: i32) {
@@ -231,7 +244,7 @@ impl<'t, 'a> Writer<'t, 'a> {
     fn point(&mut self, code: i32, at: DVec2) {
         self.float(code, at.x);
         self.float(code + 10, at.y);
-        self.float(code + 20, 0.0);
+        self.float(code + 20, self.floor);
     }
 
     pub fn handle(&mut self) {
@@ -273,6 +286,9 @@ impl<'t, 'a> Writer<'t, 'a> {
                 self.subclass("AcDbPolyline");
                 self.int(90, points.len() as i32);
                 self.int(70, i32::from(*closed));
+                if self.floor != 0.0 {
+                    self.float(38, self.floor);
+                }
                 for p in points {
                     self.float(10, p.x);
                     self.float(20, p.y);

@@ -255,7 +255,7 @@ impl Editor<'_, '_> {
     fn line(&self, a: DVec2, b: DVec2, writer: &mut Writer<'_, '_>) {
         self.begin("LINE", self.record, writer);
         self.subclass(self.record, "AcDbLine", writer);
-        let z = self.height();
+        let z = self.height(writer.floor());
         for (code, p) in [(10, a), (11, b)] {
             writer.float(code, p.x);
             writer.float(code + 10, p.y);
@@ -268,19 +268,19 @@ impl Editor<'_, '_> {
         self.subclass(self.record, "AcDbCircle", writer);
         writer.float(10, centre.x);
         writer.float(20, centre.y);
-        writer.float(30, self.height());
+        writer.float(30, self.height(writer.floor()));
         writer.float(40, radius);
         self.subclass(self.record, "AcDbArc", writer);
         writer.float(50, ends_rad[0].to_degrees().rem_euclid(360.0));
         writer.float(51, ends_rad[1].to_degrees().rem_euclid(360.0));
     }
 
-    /// Its height where it is a line, else the ground.
-    fn height(&self) -> f64 {
+    /// Its height where it is a line, else that of the floor.
+    fn height(&self, floor: f64) -> f64 {
         let code = match self.tokens.name(self.record) {
-            b"LINE" => 30,
+            b"LINE" | b"ARC" | b"CIRCLE" => 30,
             b"LWPOLYLINE" => 38,
-            _ => return 0.0,
+            _ => return floor,
         };
         let pair = own_pairs(self.tokens, self.record).find(|(_, p)| p.code == code);
         pair.and_then(|(_, p)| self.tokens.number(p)).unwrap_or(0.0)

@@ -50,11 +50,25 @@ pub struct ChangedRecord {
 /// [`Error::Input`] where an edit does not fit the record it names, asks for a value the record does not
 /// have (a bulge, a rotation), or is not finite; and where the bytes are no DXF.
 pub fn patch(file: &str, bytes: &[u8], edits: &[Edit], additions: &[Addition]) -> Result<Vec<u8>, Error> {
+    patch_on(file, bytes, edits, additions, 0.0)
+}
+
+/// [`patch`] on a floor at a height, drawing units: what is drawn anew lies there.
+///
+/// # Errors
+/// As [`patch`].
+pub fn patch_on(
+    file: &str,
+    bytes: &[u8],
+    edits: &[Edit],
+    additions: &[Addition],
+    floor: f64,
+) -> Result<Vec<u8>, Error> {
     if edits.is_empty() && additions.is_empty() {
         return Ok(bytes.to_vec());
     }
     let tokens = tokens_of(file, bytes)?;
-    let mut writer = writer_for(file, &tokens, edits, additions)?;
+    let mut writer = writer_for(file, &tokens, edits, additions)?.map(|writer| writer.on(floor));
     let mut splices: Vec<Splice> =
         edit_splices(file, &tokens, edits, writer.as_mut())?.into_iter().flatten().map(|(_, s)| s).collect();
     if let Some(writer) = writer {

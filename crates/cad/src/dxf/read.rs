@@ -40,6 +40,13 @@ pub fn storeys(file: &str, bytes: &[u8], options: &ReadOptions) -> Vec<StoreyInf
     read.and_then(|(_, storeys)| storeys).map_or_else(Vec::new, |storeys| storeys.list)
 }
 
+/// Height of the floor that is read of a drawing with storeys, drawing units; 0 of any other.
+pub fn floor_of(file: &str, bytes: &[u8], options: &ReadOptions) -> f64 {
+    let may_have = tokenize(bytes, &options.limits).is_ok_and(|tokens| is_raised(&tokens));
+    let read = may_have.then(|| with_storeys(file, bytes, options, &mut Report::default()).ok()).flatten();
+    read.and_then(|(_, storeys)| storeys?.floor(options.storey.as_deref())).unwrap_or(0.0)
+}
+
 /// Reads all of a drawing, and which storeys it has.
 fn with_storeys(
     file: &str,

@@ -11,14 +11,12 @@ use super::meshes::Why;
 use super::motion::z_up;
 use super::scene::{File, Shown};
 use super::{ReadOptions, marks, values};
+pub(super) use crate::ifc::SPACE_LAYER;
 use crate::layers::WallLayers;
 use enfilade_report::{Place, Report};
 
 /// Layer of everything where no name says what is a wall.
 pub(super) const SCENE_LAYER: &str = "scene";
-
-/// Layer of spaces.
-pub(super) const SPACE_LAYER: &str = "IfcSpace";
 
 /// Coordinates beyond this are slips or damage, units of the scene: a scene in millimetres that stands at its place on
 /// the map has 1e10.

@@ -58,7 +58,9 @@ pub(super) fn chosen_floor(
 /// Why no storey is meant by a name.
 fn without_storey(file: &str, options: &ReadOptions, storeys: &[StoreyInfo], name: &str) -> Error {
     let none = match options.twin.is_some() {
-        false => "none (glTF has none; the .ifc of the same name beside it has)",
+        false => {
+            "none (no node is named after a storey, and no walls stand on two floors; the .ifc of the same name beside it may have some)"
+        }
         true => "none (glTF has none, and the .ifc of the same name beside it is not used or has none)",
     };
     let why = no_storey(storeys, name, none);

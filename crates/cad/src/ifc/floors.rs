@@ -13,23 +13,36 @@ use enfilade_report::{Place, Report, counted};
 /// Two buildings whose boxes share this much of the smaller one are two models of one: of its structure, of its fittings.
 const ONE_BUILDING_MIN: f64 = 0.5;
 
+/// Walls so near to a height stand on the floor there, metres: above a plinth, below a build-up.
+const NEAR_M: f64 = 0.6;
+
 impl Building<'_, '_> {
-    /// Takes the elevation that a storey states for its floor, where its walls stand nearer to that than to where it is
-    /// placed.
+    /// Takes another height for the floor of a storey that is placed where its walls do not stand: its elevation, if they
+    /// stand there, else where they stand. Asked where the elevation says another height, or two storeys have one.
     pub(super) fn settle_floors(&mut self) {
+        let near = NEAR_M / self.geo.metres;
+        let all = &self.model.storeys;
+        let is_doubtful = |s: &Storey| {
+            let is_twin =
+                |o: &Storey| o.id != s.id && o.building == s.building && (o.floor - s.floor).abs() < near;
+            s.elevation.is_some() || all.iter().any(is_twin)
+        };
         let believed = |s: &Storey| {
-            let stated = s.elevation?;
-            let walls = self.model.products.iter().filter(|p| p.class.starts_with("IfcWall"));
+            let walls =
+                self.model.products.iter().filter(|p| p.class.starts_with("IfcWall") && is_doubtful(s));
             let own = walls.filter(|p| self.model.storey_of(p.id) == Some(s.id));
             let mut lows: Vec<f64> = own.filter_map(|p| Some(reach(self, p.id)?[0])).collect();
             lows.sort_by(f64::total_cmp);
-            let low = lows.get(lows.len() / 2)?;
-            ((low - stated).abs() < (low - s.floor).abs()).then_some(stated)
+            let low = *lows.get(lows.len() / 2)?;
+            if (low - s.floor).abs() <= near {
+                return None;
+            }
+            Some(s.elevation.filter(|stated| (low - stated).abs() <= near).unwrap_or(low))
         };
         let all: Vec<Option<f64>> = self.model.storeys.iter().map(believed).collect();
-        for (storey, stated) in self.model.storeys.iter_mut().zip(all) {
-            if let Some(stated) = stated {
-                storey.placed = Some(std::mem::replace(&mut storey.floor, stated));
+        for (storey, floor) in self.model.storeys.iter_mut().zip(all) {
+            if let Some(floor) = floor {
+                storey.placed = Some(std::mem::replace(&mut storey.floor, floor));
             }
         }
         self.model.storeys.sort_by(|a, b| a.floor.total_cmp(&b.floor));
@@ -67,11 +80,14 @@ impl Building<'_, '_> {
     /// Says what is taken of a storey's height, and which buildings beside it are left out.
     pub(super) fn state_floor(&self, storey: &Storey, beside: &HashSet<u64>, report: &mut Report) {
         if let Some(placed) = storey.placed {
-            let [placed, stated] = [placed, storey.floor].map(|z| z * self.geo.metres);
+            let [placed, floor] = [placed, storey.floor].map(|z| z * self.geo.metres);
+            let stated = storey
+                .elevation
+                .map(|z| format!(" and states {:.3} m as its elevation", z * self.geo.metres));
             let text = format!(
-                "storey \"{}\" is placed at {placed:.3} m and states {stated:.3} m as its elevation; its walls stand there, so \
-                 its floor is taken at {stated:.3} m",
-                storey.name
+                "storey \"{}\" is placed at {placed:.3} m{}; its walls stand at {floor:.3} m, so its floor is taken there",
+                storey.name,
+                stated.unwrap_or_default()
             );
             report.info("storey-floor", Place::file(self.file), text);
         }

@@ -53,7 +53,7 @@ use glam::DVec2;
 pub use limits::*;
 pub use marks::KEEPS;
 use rayon::prelude::*;
-pub use read::{CLOSING_LAYERS, OUTDOORS_LAYER, ZONE_LAYER};
+pub use read::{CLOSING_LAYERS, OUTDOORS_LAYER, SPACE_LAYER, ZONE_LAYER};
 pub use unseen::UnseenJoint;
 pub use zip::{is_zip, unzip};
 

@@ -41,6 +41,9 @@ use told::Standing;
 /// Layer of everything that closes a gap without blocking sight: plugs of door and window openings.
 pub const CLOSING_LAYERS: [&str; 4] = ["IfcDoor", "IfcWindow", "IfcOpeningElement", "IfcCurtainWall"];
 
+/// Layer of spaces and their names.
+pub const SPACE_LAYER: &str = "IfcSpace";
+
 /// Layer of the names of zones, each at the middle of one of its spaces.
 pub const ZONE_LAYER: &str = "IfcZone";
 
@@ -197,7 +200,7 @@ pub(super) fn read_storey(
     }
     reader.walls(report);
     reader.spaces(report);
-    reader.outdoors();
+    reader.outdoors(report);
     let shown: HashSet<u64> = reader.entities.iter().map(|e| e.source.record as u64).collect();
     reader.idle_marks = super::marks::state(building, reader.storey, &shown, report);
     let height = reader.cut - reader.floor;

@@ -149,7 +149,7 @@ fn said_of(b: &Building<'_, '_>, id: u64) -> Vec<String> {
 }
 
 /// Lowest and highest point of a product that need not be among those of the model.
-fn height_of(b: &Building<'_, '_>, p: &Product) -> Option<[f64; 2]> {
+pub(super) fn height_of(b: &Building<'_, '_>, p: &Product) -> Option<[f64; 2]> {
     let world = p.placement.map_or(Some(DAffine3::IDENTITY), |m| b.geo.placement(m).ok())?;
     let items = super::model::body_items(b.step, p.shape?).ok()?;
     let reach = items.iter().filter_map(|i| b.geo.reach(*i, &world, 0).ok());

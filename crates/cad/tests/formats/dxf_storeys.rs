@@ -221,3 +221,34 @@ fn other_heights_change_nothing() {
         assert_eq!(names(&bytes), Vec::<String>::new(), "{what}");
     }
 }
+
+/// Walls of one plan that lie at two heights by slips complete each other, and stand nowhere over one another.
+#[test]
+fn walls_that_complete_each_other_are_one_plan() {
+    let outer =
+        [String::new(), sides(2.7, [0.0, 0.0], [12.0, 9.0], 0.0) + &sides(2.7, [0.3, 0.3], [11.4, 8.4], 0.0)];
+    let partition = |x: f64| format!("|0|LINE|8|A-WALL|10|{x}|20|0.8|30|0|11|{x}|21|8.2|31|0");
+    let inner = [String::new(), [4.0, 4.1, 6.0, 6.1, 8.0, 8.1].map(partition).concat()];
+    let bytes = file(Some(6), &[outer, inner]);
+    let (drawing, said) = read_storey(&bytes, None).unwrap();
+    assert_eq!(drawing.entities.len(), 14, "{said:?}");
+    assert!(said.iter().all(|s| !s.starts_with("storey")), "{said:?}");
+}
+
+/// What is drawn on a storey lies at its height, and is read with it alone.
+#[test]
+fn additions_lie_on_the_storey_that_is_read() {
+    use enfilade_cad::drawing::{Addition, Mark};
+    use glam::DVec2;
+
+    let [low, high] = [0.0, 3.0].map(|z| storey("W", Way::Lines, z, [0.0, 0.0], 10.0));
+    let bytes = file(Some(6), &[low, high]);
+    let path = Mark::Path { points: vec![DVec2::new(1.0, 1.0), DVec2::new(2.0, 1.0)], closed: false };
+    let addition = Addition { layer: "EF-NEW".into(), rgb: [0; 3], mark: path };
+    let written = patch("t.dxf", &bytes, &options(Some("2")), &[], &[addition]).unwrap();
+    let on = |storey: &str| {
+        let (drawing, _) = read_storey(&written, Some(storey)).unwrap();
+        drawing.entities.iter().filter(|e| e.layer == "EF-NEW").count()
+    };
+    assert_eq!([on("1"), on("2")], [0, 1]);
+}

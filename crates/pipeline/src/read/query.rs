@@ -7,13 +7,11 @@ use crate::job::Input;
 use crate::read::read_options;
 use enfilade_cad::Opened;
 use enfilade_cad::drawing::Drawing;
+pub(crate) use enfilade_cad::ifc::SPACE_LAYER;
 use enfilade_cad::ifc::ZONE_LAYER;
 use enfilade_cad::names::{Found, Pattern};
 use enfilade_config::Settings;
 use enfilade_report::{Error, Place, Report};
-
-/// Layer of spaces.
-pub(crate) const SPACE_LAYER: &str = "IfcSpace";
 
 /// What `--query` may name: the word before the name, what is meant, and the layer of the names.
 const NAMED: [(&str, &str, &str); 2] = [("space:", "space", SPACE_LAYER), ("zone:", "zone", ZONE_LAYER)];

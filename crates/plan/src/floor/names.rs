@@ -1,11 +1,12 @@
 //! What rooms are called: the texts that stand in them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::Area;
 use crate::frame::Frame;
 use crate::kinds::kind_of_name;
 use enfilade_cad::drawing::Text;
+use enfilade_cad::ifc::{SPACE_LAYER, ZONE_LAYER};
 use enfilade_cad::own_layers;
 use enfilade_engine::geometry::{PointUm, Side, side_of_ring};
 
@@ -21,8 +22,9 @@ type Named = BTreeMap<usize, Vec<(f64, String)>>;
 /// For every room the text in it that names it, of the layer that names most rooms and little else.
 pub fn name_of_rooms(rooms: &[Area], texts: &[Text], frame: &Frame) -> Vec<Option<String>> {
     let mut layers: BTreeMap<&str, Named> = BTreeMap::new();
-    for text in texts.iter().filter(|t| !own_layers::is_own(&t.layer)) {
-        let Some(name) = name_in(&text.text) else { continue };
+    for text in of_rooms(texts) {
+        let short = || short_name_in(&text.text).filter(|_| text.layer == SPACE_LAYER);
+        let Some(name) = name_in(&text.text).or_else(short) else { continue };
         let at = frame.um_from_file(text.at);
         if let Some(room) = rooms.iter().position(|r| r.holds(at)) {
             let far = middle(&rooms[room])
@@ -44,13 +46,28 @@ pub fn name_of_rooms(rooms: &[Area], texts: &[Text], frame: &Frame) -> Vec<Optio
 /// Everything that is written in each room, marks of ours left out.
 pub fn texts_in_rooms(rooms: &[Area], texts: &[Text], frame: &Frame) -> Vec<Vec<String>> {
     let mut out = vec![Vec::new(); rooms.len()];
-    for text in texts.iter().filter(|t| !own_layers::is_own(&t.layer)) {
+    for text in of_rooms(texts) {
         let at = frame.um_from_file(text.at);
         if let Some(room) = rooms.iter().position(|r| r.holds(at)) {
             out[room].extend(text.text.lines().map(|l| l.trim().to_owned()));
         }
     }
     out
+}
+
+/// The texts that may name rooms: none of ours, and of a zone only where its space has no name of its own.
+fn of_rooms(texts: &[Text]) -> impl Iterator<Item = &Text> {
+    let has_letter = |t: &&Text| t.text.chars().any(char::is_alphabetic);
+    let spaces = texts.iter().filter(|t| t.layer == SPACE_LAYER).filter(has_letter);
+    let named: BTreeSet<usize> = spaces.map(|t| t.source.record).collect();
+    let is_above = move |t: &&Text| t.layer == ZONE_LAYER && named.contains(&t.source.record);
+    texts.iter().filter(|t| !own_layers::is_own(&t.layer)).filter(move |t| !is_above(t))
+}
+
+/// The last line with a letter: of a space, whose name is one however short it is, behind its number.
+fn short_name_in(text: &str) -> Option<String> {
+    let mut lines = text.lines().map(str::trim).filter(|line| line.chars().any(char::is_alphabetic));
+    lines.next_back().map(str::to_owned)
 }
 
 /// Longest line that is looked up among the words for rooms, letters.
@@ -103,7 +120,32 @@ fn middle(room: &Area) -> Option<PointUm> {
 
 #[cfg(test)]
 mod tests {
-    use super::name_in;
+    use enfilade_cad::drawing::{SourceRef, Text};
+    use enfilade_cad::ifc::{SPACE_LAYER, ZONE_LAYER};
+    use glam::DVec2;
+
+    use super::{name_in, of_rooms, short_name_in};
+
+    /// A space has its own name before that of its zone, however short; where it has a number alone, its zone's.
+    #[test]
+    fn a_zone_names_no_space_that_has_a_name() {
+        let text = |record: usize, layer: &str, text: &str| Text {
+            source: SourceRef { record, handle: None, line: 0, kind: "IfcSpace".into(), layer: layer.into() },
+            layer: layer.into(),
+            at: DVec2::ZERO,
+            text: text.into(),
+        };
+        let texts = [
+            text(1, SPACE_LAYER, "661\nGT"),
+            text(1, ZONE_LAYER, "Common Area"),
+            text(2, SPACE_LAYER, "662"),
+            text(2, ZONE_LAYER, "Office 01"),
+        ];
+        let left: Vec<&str> = of_rooms(&texts).map(|t| t.text.as_str()).collect();
+        assert_eq!(left, ["661\nGT", "662", "Office 01"]);
+        assert_eq!(name_in(left[0]).or_else(|| short_name_in(left[0])).as_deref(), Some("GT"));
+        assert_eq!(short_name_in(left[1]), None);
+    }
 
     #[test]
     fn numbers_areas_and_marks_name_no_room() {

@@ -9,6 +9,9 @@ use enfilade_report::Report;
 /// What stands so near before a door, metres, leaves no way round it.
 const BEFORE_M: f64 = 0.15;
 
+/// Classes that stop sight unless somebody says otherwise.
+const STOPS_SIGHT: [&str; 2] = ["IfcWall", "IfcColumn"];
+
 /// What reaches so little of that into it does so by rounding.
 const THIN_SHARE: f64 = 0.01;
 
@@ -83,6 +86,7 @@ impl<'b> Reader<'b, '_, '_> {
         let all: Vec<(&Product, &ElementCut<'b>, [DVec2; 2])> = shown
             .iter()
             .zip(cuts)
+            .filter(|(p, _)| STOPS_SIGHT.iter().any(|class| p.class.starts_with(class)))
             .filter_map(|(p, cut)| {
                 let cut = cut.as_ref().ok()?;
                 Some((*p, cut, cut.region.extent()?))

@@ -6,19 +6,25 @@ use super::Reader;
 use crate::ifc::footprint::Footprint;
 use crate::ifc::model::{Product, product};
 use crate::ifc::step::Value;
+use crate::ifc::structure::height_of;
 use crate::names::is_outdoors;
 use crate::plane::{box_of, share_of_smaller};
 use crate::region::Region;
+use crate::storey_words::storey_name;
+use enfilade_report::Report;
 
 /// Layer of ground that lies in the open air.
 pub const OUTDOORS_LAYER: &str = "IfcSlab";
+
+/// Ground so near to the height of a storey's floor is on it: a step, a build-up.
+const FLOOR_M: f64 = 0.6;
 
 /// A slab that covers so much of the box round all walls is ground that the building stands on.
 const GROUND_MIN: f64 = 0.5;
 
 impl Reader<'_, '_, '_> {
-    /// Shows the slabs of the storey that are named after what lies in the open air.
-    pub(super) fn outdoors(&mut self) {
+    /// Shows the slabs at the storey's floor that are named after what lies in the open air, and says so.
+    pub(super) fn outdoors(&mut self, report: &mut Report) {
         let walls = self.entities.iter().filter(|e| e.layer.starts_with("IfcWall"));
         let Some(building) = box_of(walls.flat_map(|e| crate::curve::control_points(&e.shape))) else {
             return;
@@ -27,11 +33,14 @@ impl Reader<'_, '_, '_> {
         let all = keywords.into_iter().flat_map(|keyword| self.b.step.all(keyword));
         let slabs: Vec<Product> = all
             .map(|i| product(self.b.step, i.id, "IfcSlab"))
-            .filter(|p| is_outdoors(&p.name) && self.b.model.storey_of(p.id) == self.storey)
+            .filter(|p| is_outdoors(&p.name) && storey_name(&p.name).is_none())
+            .filter(|p| self.b.model.storey_of(p.id) == self.storey && self.is_at_floor(p))
             .collect();
         for slab in slabs {
+            let mut is_shown = false;
             for ground in Footprint::slices(self.b, &slab, 1) {
                 if is_within(ground.extent(), building) && share_of_smaller(ground.extent(), building) > 0.0 {
+                    is_shown = true;
                     let ring = |ring: &Vec<DVec2>| ring.iter().map(|p| p.to_array()).collect();
                     self.emit(
                         &slab,
@@ -40,7 +49,21 @@ impl Reader<'_, '_, '_> {
                     );
                 }
             }
+            if is_shown {
+                let text = format!(
+                    "{:?} is named after what lies in the open air; the ground on it is not measured; --inside X,Y takes it in",
+                    slab.name
+                );
+                report.info("ifc-outdoors", self.b.place(&slab), text);
+            }
         }
+    }
+
+    /// Whether a slab lies where the storey's floor is.
+    fn is_at_floor(&self, slab: &Product) -> bool {
+        let near = FLOOR_M / self.b.geo.metres;
+        height_of(self.b, slab)
+            .is_some_and(|[low, high]| low <= self.floor + near && high >= self.floor - near)
     }
 
     /// Whether a space lies outside the building by its own word.
