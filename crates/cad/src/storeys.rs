@@ -151,7 +151,11 @@ pub(super) fn state_shared_name(file: &str, storeys: &[StoreyInfo], wanted: &str
     }
     let keys: Vec<String> = found
         .iter()
-        .map(|i| format!("{} (floor {:.3} m)", storey_key(storeys, *i), storeys[*i].floor_m))
+        .map(|i| {
+            let of =
+                storeys[*i].building.as_ref().map_or_else(String::new, |name| format!("of \"{name}\", "));
+            format!("{} ({of}floor {:.3} m)", storey_key(storeys, *i), storeys[*i].floor_m)
+        })
         .collect();
     let text = format!(
         "--storey \"{wanted}\": found {} storeys of that name, expected one; the lowest was taken; by number: {}",

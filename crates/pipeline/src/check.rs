@@ -43,6 +43,7 @@ pub fn check_with(
     let opened = Opened::new(input.file(), &input.bytes)?;
     let mut drawing = opened.read(&read::read_options(settings), &mut report)?;
     read::works::add(&mut drawing, settings)?;
+    read::state_unused_storey(input.file(), &input.bytes, settings, &mut report);
     let base = understood(&drawing, settings, &mut report)?;
     let mut result = show::check(&base, &report);
     let sensed = sensed::Sensed::new(&base, settings);

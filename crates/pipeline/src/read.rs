@@ -45,14 +45,20 @@ pub(crate) fn drawing(
 ) -> Result<Drawing, Error> {
     let mut drawing = enfilade_cad::read(file, bytes, &read_options(settings), report)?;
     works::add(&mut drawing, settings)?;
-    let is_flat = || enfilade_cad::storeys(file, bytes, &read_options(settings)).is_empty();
-    if let Some(storey) = settings.storey.as_ref().filter(|_| drawing.format == Format::Dxf && is_flat()) {
+    state_unused_storey(file, bytes, settings, report);
+    Ok(drawing)
+}
+
+/// Says where a storey was asked for that the drawing has no other than.
+pub(crate) fn state_unused_storey(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) {
+    let Some(storey) = &settings.storey else { return };
+    let is_dxf = enfilade_cad::format_of(file, bytes) == Format::Dxf;
+    if is_dxf && enfilade_cad::storeys(file, bytes, &read_options(settings)).is_empty() {
         let text = format!(
             "storey {storey:?} was asked for, but this DXF has no storeys at heights of their own; all of it is read"
         );
         report.warn("storey-unused", Place::file(file), text);
     }
-    Ok(drawing)
 }
 
 /// Says what lies beside the drawing, was meant as its settings, and is not read; and which storey was taken for the
