@@ -130,7 +130,10 @@ pub fn thresholds(html: &mut Html, result: &RoundResult) {
     }
     html.raw("<section>\n<h2>What was asked for</h2>\n<div class=\"scroll\"><table>\n<thead><tr>");
     html.raw("<th scope=\"col\">Objective</th><th scope=\"col\">Wanted</th><th scope=\"col\">Present</th>");
-    html.raw("<th scope=\"col\">Best found</th><th scope=\"col\">Threshold</th>");
+    // The search that reaches for thresholds only moves.
+    let builds = result.candidates.iter().any(|c| !c.works.is_empty());
+    let best = if builds { "Best by moves" } else { "Best found" };
+    html.element("th", &[("scope", "col")], best).element("th", &[("scope", "col")], "Threshold");
     for o in 0..result.candidates.len() {
         html.element("th", &[("scope", "col"), ("class", "tick")], &option_name(o));
     }

@@ -114,7 +114,9 @@ impl Sensed {
         let sure: f64 = walls.iter().map(|(s, of)| f64::from(s.confidence) * of).sum();
         let views = plan.views.iter().filter(|v| v.is_chosen).map(|v| v.confidence);
         let walls = (length > 0.0).then(|| sure / length);
-        let rooms = floor.as_ref().filter(|_| !is_floor_said).and_then(|f| sure_of_rooms(f, &gaps));
+        let is_open = base.interior.as_ref().is_some_and(|i| i.gap_m() >= WAY_IN_M * plan.human_scale);
+        let rooms = floor.as_ref().filter(|_| !is_floor_said);
+        let rooms = rooms.and_then(|f| sure_of_rooms(f, &gaps, is_open));
         let confidence = views.chain(walls).chain(rooms).fold(plan.reading.unit.confidence, f64::min);
         Self { gaps, floor, confidence, doubts }
     }
@@ -124,11 +126,19 @@ impl Sensed {
 /// plans, read rightly; the others are plots, gears, gardens, or have their doors missed.
 const SURE_OF_SHUT: f64 = 0.4;
 
-/// How sure the rooms are, by their floor: those that a door or a passage leads into, and those that none does. Nothing where
-/// there is no room.
-fn sure_of_rooms(floor: &Floor, gaps: &[OpenGap]) -> Option<f64> {
+/// Somebody walks in through a gap of the outline that is at least so wide, metres of a person.
+const WAY_IN_M: f64 = 0.6;
+
+/// How sure the rooms are, by their floor: those that a door or a passage leads into, and those that none does. Where the
+/// outline of the building is open, its largest room is entered. Nothing where there is no room.
+fn sure_of_rooms(floor: &Floor, gaps: &[OpenGap], is_open: bool) -> Option<f64> {
     let area = |rooms: &mut dyn Iterator<Item = usize>| rooms.map(|r| floor.rooms[r].area_m2).sum::<f64>();
+    let by_area = |a: &usize, b: &usize| floor.rooms[*a].area_m2.total_cmp(&floor.rooms[*b].area_m2);
+    let largest = (0..floor.rooms.len()).max_by(by_area).filter(|_| is_open);
     let is_entered = |room: &usize| {
+        if largest == Some(*room) {
+            return true;
+        }
         let ways = gaps.iter().zip(&floor.beside).filter(|(g, _)| g.kind != OpeningKind::Window);
         ways.into_iter().any(|(_, beside)| beside.contains(&Beside::Room(*room)))
     };
