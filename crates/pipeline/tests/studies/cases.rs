@@ -4,7 +4,7 @@ use enfilade_config::{Partial, Settings};
 use enfilade_fixtures::shared;
 use enfilade_overlay::result::CheckResult;
 use enfilade_pipeline::{Input, Outcome};
-use enfilade_report::Error;
+use enfilade_report::{Cancel, Error};
 
 /// What is understood of a file with a storey chosen, by its name below `cases`.
 fn checked(file: &str, bytes: &[u8], storey: Option<&str>) -> Result<Outcome<CheckResult>, Error> {
@@ -117,4 +117,19 @@ fn drawings_without_their_walls_are_refused() {
         let error = checked(file, &bytes, None).unwrap_err().to_string();
         assert!(error.contains(named), "{error}");
     }
+}
+
+/// Rooms that are drawn each with walls of their own are joined by their doors, which are as wide as their leaves.
+#[test]
+fn doors_between_boxes_open_both_walls() {
+    let Some(bytes) = case("24-roomboxes-doorlines.dxf") else { return };
+    let result = checked("24.dxf", &bytes, None).unwrap().result;
+    let openings = result.reading.map_or_else(Vec::new, |r| r.openings);
+    let doors: Vec<f64> = openings.iter().filter(|o| o.kind == "door").map(|o| o.width_m).collect();
+    assert_eq!(doors.iter().filter(|w| (*w - 0.914).abs() < 0.001).count(), 3, "{doors:?}");
+    let settings = Settings::new(Partial::default()).unwrap();
+    let input = Input::new("24.dxf", &bytes, 1);
+    let (outcome, _) = enfilade_pipeline::analyse(&input, &settings, &Cancel::default()).unwrap();
+    let codes: Vec<&str> = outcome.report.problems.iter().map(|p| p.code).collect();
+    assert!(!codes.contains(&"cut-off-areas"), "{codes:?}");
 }

@@ -133,7 +133,7 @@ fn at_marks(axes: &[Axis], evidence: &Evidence<'_>, near: &Buckets, gaps: &mut [
                     .any(|b| b != a && ends_on(&axes[*b as usize], path, *gap, &axes[*a as usize]))
                 && is_within(*gap, axes[*a as usize].span)
             {
-                gaps[*a as usize].push(*gap);
+                gaps[*a as usize].push(as_wide_as_leaf(&axes[*a as usize], evidence, path, *gap));
             }
             for a in &around {
                 let axis = &axes[*a as usize];
@@ -218,6 +218,29 @@ fn swing_gap(axis: &Axis, path: &Path, tips: &[DVec2]) -> Option<Span> {
         .map(|e| axis.carrier.s_of(e))
         .find(|s| (s - axis.carrier.s_of(centre)).abs() > 0.9 * radius)?;
     Some(ordered(axis.carrier.s_of(centre), far))
+}
+
+/// From a swing's hinge as far as the closed leaf is drawn, where that is farther: some draw the swing at half its size.
+fn as_wide_as_leaf(axis: &Axis, evidence: &Evidence<'_>, swing: &Path, gap: Span) -> Span {
+    let Path::Arc { centre, radius, .. } = *swing else { return gap };
+    let band = Band { carrier: axis.carrier, gap: axis.span, half: axis.thickness / 2.0 };
+    let is_leaf = |p: &&Path| {
+        let ends = p.ends();
+        matches!(p, Path::Line { .. })
+            && p.length_m() <= 2.0 * radius + ERROR_GAP_M
+            && ends.iter().any(|e| e.distance(centre) <= ERROR_GAP_M)
+            && ends.iter().all(|e| band.has(*e, HINGE_BESIDE_M))
+    };
+    let of_doors = evidence.drawn.marks.iter().filter(|m| m.role == Role::Door);
+    let leaves = of_doors.flat_map(|m| &m.paths).filter(is_leaf);
+    let spans = leaves.map(|p| {
+        let [a, b] = p.ends().map(|e| axis.carrier.s_of(e));
+        ordered(a, b)
+    });
+    let holds =
+        |s: &Span| s[0] <= gap[0] + ERROR_GAP_M && s[1] >= gap[1] - ERROR_GAP_M && is_within(*s, axis.span);
+    let widest = spans.filter(holds).max_by(|a, b| spans::length(*a).total_cmp(&spans::length(*b)));
+    widest.unwrap_or(gap)
 }
 
 /// Along a line of a window that lies between the faces.

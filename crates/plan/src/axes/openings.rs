@@ -12,9 +12,9 @@ use super::near::Buckets;
 use super::spans::{self, Span};
 use super::tolerances::{
     COLLINEAR_M, CROSSING_MIN_RAD, ERROR_GAP_M, OPENING_MAX_M, OPENING_MIN_M, PASSAGE_MAX_M,
-    SIDE_OPENING_MAX_M, THICKNESS_MAX_M,
+    SIDE_OPENING_MAX_M, THICKNESS_MAX_M, THICKNESS_MIN_M, THICKNESS_USUAL_M,
 };
-use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind, shell, swings};
+use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind, Path, shell, swings};
 
 /// A wall that ends in front of another's side leaves a passage only if it stands this square to it.
 const SQUARE_SIN: f64 = 0.97;
@@ -232,7 +232,7 @@ impl<'a> Scene<'a> {
         let other = to.other.map(|o| &self.axes[self.joined.free[o].axis as usize]);
         let sides = a.sides.iter().flatten().chain(&a.inner);
         let both = sides.filter(|f| other.is_some_and(|b| b.has_face(**f))).copied().collect::<Vec<u32>>();
-        let through = self.drawn.along(&both, &a.carrier, gap);
+        let through = self.with_abutting(a, gap, self.drawn.along(&both, &a.carrier, gap));
         Some(Opening {
             kind,
             centre: a.carrier.at((s0 + s1) / 2.0),
@@ -247,6 +247,39 @@ impl<'a> Scene<'a> {
             faces: self.drawn.refs(&seen.faces),
             through: self.drawn.refs(&through),
         })
+    }
+
+    /// The faces that an opening in an uncut wall leads through, with those of a wall that stands flush against it and is not
+    /// cut there either: rooms that are drawn each with walls of their own, linings, second leaves.
+    fn with_abutting(&self, wall: &Axis, gap: Span, mut through: Vec<u32>) -> Vec<u32> {
+        if through.is_empty() || !wall.carrier.is_line() {
+            return through;
+        }
+        let half = wall.thickness / 2.0;
+        let mut beside: BTreeMap<u32, Vec<(u32, f64)>> = BTreeMap::new();
+        for f in self.faces_near.along(&wall.carrier.points(gap), half + THICKNESS_USUAL_M) {
+            let face = &self.drawn.faces[f as usize];
+            let ends = face.path.ends();
+            let [from, to] = ends.map(|p| wall.carrier.offset_of(p));
+            let own = ends.map(|p| wall.carrier.s_of(p));
+            let along = spans::overlap(ordered(own[0], own[1]), gap).map_or(0.0, spans::length);
+            let is_straight = matches!(face.path, Path::Line { .. }) && (from - to).abs() <= COLLINEAR_M;
+            if face.is_closed && is_straight && along >= BESIDE_SHARE * spans::length(gap) {
+                beside.entry(face.wall).or_default().push((f, from));
+            }
+        }
+        for faces in beside.into_values().filter(|faces| faces.len() > 1) {
+            let reach = faces.iter().map(|(_, offset)| offset.abs() - half);
+            let [nearest, farthest] =
+                reach.fold([f64::MAX, f64::MIN], |[low, high], r| [low.min(r), high.max(r)]);
+            let is_one_side = faces.iter().all(|(_, offset)| offset * faces[0].1 > 0.0);
+            if is_one_side && nearest.abs() <= ERROR_GAP_M && farthest >= THICKNESS_MIN_M {
+                through.extend(
+                    faces.iter().map(|(f, _)| *f).filter(|f| !through.contains(f)).collect::<Vec<u32>>(),
+                );
+            }
+        }
+        through
     }
 
     /// Whether a thicker wall runs along a gap and touches what would stand in it: the gap leads nowhere.
