@@ -273,7 +273,8 @@ impl<'a> Scene<'a> {
             let [nearest, farthest] =
                 reach.fold([f64::MAX, f64::MIN], |[low, high], r| [low.min(r), high.max(r)]);
             let is_one_side = faces.iter().all(|(_, offset)| offset * faces[0].1 > 0.0);
-            if is_one_side && nearest.abs() <= ERROR_GAP_M && farthest >= THICKNESS_MIN_M {
+            let is_wall = (THICKNESS_MIN_M..=THICKNESS_USUAL_M).contains(&farthest);
+            if is_one_side && nearest.abs() <= ERROR_GAP_M && is_wall {
                 through.extend(
                     faces.iter().map(|(f, _)| *f).filter(|f| !through.contains(f)).collect::<Vec<u32>>(),
                 );

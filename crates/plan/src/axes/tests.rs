@@ -362,3 +362,35 @@ fn a_window_is_as_wide_as_its_glass() {
     assert_eq!(found([4.0, 0.1, 8.0, 0.1]), 1);
     assert_eq!(found([4.0, 0.1, 4.4, 0.14]), 0);
 }
+
+/// Two boxes that abut, the second so deep, and a door on the edge that they share: its swing at half its size. Whether the door
+/// leads through the far side of the second, and how wide it is.
+fn through_boxes(depth: f64) -> (bool, f64) {
+    let ring = |wall: u32, [low, high]: [f64; 2]| {
+        let corners = [[0.0, low], [6.0, low], [6.0, high], [0.0, high]].map(DVec2::from);
+        let side = move |part: usize| Face {
+            wall,
+            part: part as u32,
+            path: Path::Line { a: corners[part], b: corners[(part + 1) % 4] },
+            role: Role::Wall,
+            is_closed: true,
+        };
+        (0..4).map(side)
+    };
+    let faces = ring(0, [0.0, 0.15]).chain(ring(1, [0.15, 0.15 + depth])).collect();
+    let hinge = DVec2::new(2.0, 0.15);
+    let leaf = Path::Line { a: hinge, b: hinge + DVec2::X * 0.9 };
+    let swing =
+        Path::Arc { centre: hinge, radius: 0.45, start_rad: 0.0, sweep_rad: std::f64::consts::FRAC_PI_2 };
+    let marks = vec![mark(leaf, Role::Door), mark(swing, Role::Door)];
+    let graph = AxisGraph::new(&Drawn { faces, marks });
+    let door = graph.openings.iter().find(|o| o.kind == OpeningKind::Door);
+    (door.is_some_and(|d| d.through.contains(&(1, 2))), door.map_or(0.0, |d| d.width_m))
+}
+
+#[test]
+fn a_door_leads_through_a_wall_that_abuts_and_through_no_block() {
+    let (is_through, width_m) = through_boxes(0.15);
+    assert!(is_through && (width_m - 0.9).abs() < 1e-6, "{width_m}");
+    assert!(!through_boxes(0.7).0);
+}
