@@ -279,9 +279,7 @@ pub fn patch(
     let edits: Vec<Edit> = edits.iter().filter(|e| !e.is_still()).cloned().collect();
     let edits = edits.as_slice();
     match format_of(file, bytes) {
-        Format::Dxf => {
-            dxf::patch_on(file, bytes, edits, additions, dxf::floor_of(file, bytes, &options.dxf()))
-        }
+        Format::Dxf => dxf::patch_read(file, bytes, &options.dxf(), edits, additions),
         Format::Ifc => ifc::patch(file, bytes, &options.ifc(), edits, additions),
         Format::Gltf | Format::Glb => gltf::patch(file, bytes, &options.gltf(), edits, additions),
     }

@@ -192,7 +192,7 @@ impl Blocks {
     }
 
     fn sum(&self, block: usize) -> Weight {
-        // A file that is left out is something to be told of, wherever it is shown.
+        // A file that is left out is something to report, wherever it is shown.
         if self.list[block].xref.is_some() {
             return Weight::Known { pieces: 1, depth: 0 };
         }

@@ -56,7 +56,7 @@ impl Clip {
 }
 
 /// The clips of a file by the records of their INSERTs, in coordinates of the blocks that these show; for a boundary that
-/// cannot be read the reason. A clip that is switched off is none.
+/// cannot be read the reason. A clip that is switched off hides nothing and gives no outline.
 pub(super) fn clips(
     tokens: &Tokens<'_>,
     inserts: impl Iterator<Item = usize>,

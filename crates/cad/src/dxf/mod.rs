@@ -49,9 +49,9 @@ pub use clean::without_demolished;
 pub use complete::{Completeness, is_complete};
 pub use limits::*;
 pub use links::{Tied, host_ids, tied};
-pub use patch::{ChangedRecord, changed_records, patch, patch_on};
+pub use patch::{ChangedRecord, changed_records, patch, patch_read};
 pub use poche::Following;
-pub use read::{floor_of, read, storeys};
+pub use read::{read, storeys};
 pub use refill::{Probe, fills_at};
 pub use strip::strip_own;
 

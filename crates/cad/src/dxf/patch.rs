@@ -16,7 +16,7 @@ use super::header::Header;
 use super::limits::Limits;
 use super::opened::Place as Placed;
 use super::poche::points_of;
-use super::read::fault_error;
+use super::read::{fault_error, floor_of};
 use super::reader::Reader;
 use super::tokens::{Form, Kind, Tokens, kind_of, number_text, tokenize, trim};
 use crate::drawing::{Addition, Edit, RigidMotion, Shape, Vertex};
@@ -50,25 +50,26 @@ pub struct ChangedRecord {
 /// [`Error::Input`] where an edit does not fit the record it names, asks for a value the record does not
 /// have (a bulge, a rotation), or is not finite; and where the bytes are no DXF.
 pub fn patch(file: &str, bytes: &[u8], edits: &[Edit], additions: &[Addition]) -> Result<Vec<u8>, Error> {
-    patch_on(file, bytes, edits, additions, 0.0)
+    patch_read(file, bytes, &ReadOptions::default(), edits, additions)
 }
 
-/// [`patch`] on a floor at a height, drawing units: what is drawn anew lies there.
+/// [`patch`] of a drawing as it was read: what is drawn anew lies on the floor of the storey.
 ///
 /// # Errors
 /// As [`patch`].
-pub fn patch_on(
+pub fn patch_read(
     file: &str,
     bytes: &[u8],
+    options: &ReadOptions,
     edits: &[Edit],
     additions: &[Addition],
-    floor: f64,
 ) -> Result<Vec<u8>, Error> {
     if edits.is_empty() && additions.is_empty() {
         return Ok(bytes.to_vec());
     }
     let tokens = tokens_of(file, bytes)?;
-    let mut writer = writer_for(file, &tokens, edits, additions)?.map(|writer| writer.on(floor));
+    let writer = writer_for(file, &tokens, edits, additions)?;
+    let mut writer = writer.map(|writer| writer.on(floor_of(file, bytes, &tokens, options)));
     let mut splices: Vec<Splice> =
         edit_splices(file, &tokens, edits, writer.as_mut())?.into_iter().flatten().map(|(_, s)| s).collect();
     if let Some(writer) = writer {

@@ -35,16 +35,18 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
 /// The storeys that are drawn over one another, each at its own height, from the lowest; none where all is one storey or the
 /// bytes cannot be read.
 pub fn storeys(file: &str, bytes: &[u8], options: &ReadOptions) -> Vec<StoreyInfo> {
-    let may_have = tokenize(bytes, &options.limits).is_ok_and(|tokens| is_raised(&tokens));
-    let read = may_have.then(|| with_storeys(file, bytes, options, &mut Report::default()).ok()).flatten();
-    read.and_then(|(_, storeys)| storeys).map_or_else(Vec::new, |storeys| storeys.list)
+    let found = tokenize(bytes, &options.limits).ok().and_then(|t| raised(file, bytes, &t, options));
+    found.map_or_else(Vec::new, |storeys| storeys.list)
 }
 
-/// Height of the floor that is read of a drawing with storeys, drawing units; 0 of any other.
-pub fn floor_of(file: &str, bytes: &[u8], options: &ReadOptions) -> f64 {
-    let may_have = tokenize(bytes, &options.limits).is_ok_and(|tokens| is_raised(&tokens));
-    let read = may_have.then(|| with_storeys(file, bytes, options, &mut Report::default()).ok()).flatten();
-    read.and_then(|(_, storeys)| storeys?.floor(options.storey.as_deref())).unwrap_or(0.0)
+/// Height of the floor that is read of a drawing with storeys, drawing units; 0 of any other. `tokens`: its pairs.
+pub(super) fn floor_of(file: &str, bytes: &[u8], tokens: &Tokens<'_>, options: &ReadOptions) -> f64 {
+    raised(file, bytes, tokens, options).and_then(|s| s.floor(options.storey.as_deref())).unwrap_or(0.0)
+}
+
+/// The storeys of a drawing; all of it is read only where its pairs state a height.
+fn raised(file: &str, bytes: &[u8], tokens: &Tokens<'_>, options: &ReadOptions) -> Option<Storeys> {
+    is_raised(tokens).then(|| with_storeys(file, bytes, options, &mut Report::default()).ok())??.1
 }
 
 /// Reads all of a drawing, and which storeys it has.

@@ -28,7 +28,7 @@ const GATHERED_M: f64 = 0.3;
 /// Fewer walls that stand at a height make no storey that no name tells of.
 const WALLS_MIN: usize = 3;
 
-/// More floors are none of a building, but of a scene that is made to keep a program busy.
+/// No building has more floors; a scene that does is one that is made to keep a program busy.
 const FLOORS_MOST: usize = 300;
 
 /// How programs that make scenes of an IFC begin the names of its storeys.

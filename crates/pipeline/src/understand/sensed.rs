@@ -135,16 +135,19 @@ fn sure_of_rooms(floor: &Floor, gaps: &[OpenGap], is_open: bool) -> Option<f64> 
     let area = |rooms: &mut dyn Iterator<Item = usize>| rooms.map(|r| floor.rooms[r].area_m2).sum::<f64>();
     let by_area = |a: &usize, b: &usize| floor.rooms[*a].area_m2.total_cmp(&floor.rooms[*b].area_m2);
     let largest = (0..floor.rooms.len()).max_by(by_area).filter(|_| is_open);
-    let is_entered = |room: &usize| {
-        if largest == Some(*room) {
-            return true;
-        }
-        let ways = gaps.iter().zip(&floor.beside).filter(|(g, _)| g.kind != OpeningKind::Window);
-        ways.into_iter().any(|(_, beside)| beside.contains(&Beside::Room(*room)))
-    };
+    let is_entered = |room: &usize| largest == Some(*room) || ways_into(floor, gaps, *room).next().is_some();
     let all = area(&mut (0..floor.rooms.len()));
     let entered = area(&mut (0..floor.rooms.len()).filter(is_entered));
     (all > 0.0).then(|| SURE_OF_SHUT + (1.0 - SURE_OF_SHUT) * entered / all)
+}
+
+/// Doors and passages that lead into a room, by their places among the openings.
+pub(crate) fn ways_into(floor: &Floor, gaps: &[OpenGap], room: usize) -> impl Iterator<Item = usize> {
+    let all = gaps.iter().zip(&floor.beside).enumerate();
+    let leads = move |(_, (gap, beside)): &(usize, (&OpenGap, &[Beside; 2]))| {
+        gap.kind != OpeningKind::Window && beside.contains(&Beside::Room(room))
+    };
+    all.filter(leads).map(|(k, _)| k)
 }
 
 /// Doors and windows that the file calls so, in the gaps of walls where these show them; and the other gaps.

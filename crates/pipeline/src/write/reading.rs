@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::measure::spacing;
 use crate::understand::rooms::{self, Room};
-use crate::understand::sensed::{OpenGap, Sensed, length, of_entity};
+use crate::understand::sensed::{OpenGap, Sensed, length, of_entity, ways_into};
 use crate::understand::understood::Understood;
 use crate::write::asked;
 use crate::write::places::{Places, round_mm, share};
@@ -24,7 +24,7 @@ use enfilade_overlay::result::ElementRef;
 use enfilade_plan::Plan;
 use enfilade_plan::axes::{Edge, OpeningKind};
 use enfilade_plan::by_place::Entities;
-use enfilade_plan::floor::{Area, Beside};
+use enfilade_plan::floor::Area;
 use enfilade_plan::reading::RoleSense;
 use enfilade_plan::view_names::Title;
 
@@ -242,17 +242,11 @@ fn opening(base: &Understood, drawing: &Drawing, g: &OpenGap, at: &Places<'_>) -
 
 fn room_readings(sensed: &Sensed, rooms: &[Room], at: &Places<'_>) -> Vec<RoomReading> {
     let Some(floor) = &sensed.floor else { return Vec::new() };
-    let leads = |room: usize| {
-        let gaps = sensed.gaps.iter().zip(&floor.beside).enumerate();
-        let into =
-            gaps.filter(move |(_, (g, b))| g.kind != OpeningKind::Window && b.contains(&Beside::Room(room)));
-        into.map(|(k, _)| k).collect()
-    };
     let of = |(k, room): (usize, &Room)| RoomReading {
         name: room.name.clone().unwrap_or_default(),
         area_m2: (room.area.area_m2 * 100.0).round() / 100.0,
         outline: at.ring(&room.area.outline),
-        doors: leads(k),
+        doors: ways_into(floor, &sensed.gaps, k).collect(),
         kind: room.found.kind.name().into(),
         is_private: room.found.is_private(),
         is_sure: room.found.is_sure,

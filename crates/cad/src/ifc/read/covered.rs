@@ -101,11 +101,12 @@ impl<'b> Reader<'b, '_, '_> {
                 };
                 let is_near =
                     |[from, to]: [DVec2; 2]| from.cmple(high + near).all() && to.cmpge(low - near).all();
-                let others = all.iter().filter(|(other, _, extent)| other.id != wall.id && is_near(*extent));
+                let mut others =
+                    all.iter().filter(|(other, _, extent)| other.id != wall.id && is_near(*extent));
                 let covers = |(_, other, _): &&(&Product, &ElementCut<'b>, [DVec2; 2])| {
                     doorway.share_covered(&other.region, near) >= COVERED_MIN
                 };
-                if let Some((other, ..)) = others.clone().find(covers) {
+                if let Some((other, ..)) = others.find(covers) {
                     let text = format!(
                         "found {} before door {} of {}, expected an opening in it too; nobody sees through that door",
                         called(other),

@@ -39,7 +39,7 @@ impl Reader<'_, '_, '_> {
         for slab in slabs {
             let mut is_shown = false;
             for ground in Footprint::slices(self.b, &slab, 1) {
-                if is_within(ground.extent(), building) && share_of_smaller(ground.extent(), building) > 0.0 {
+                if is_part_of(ground.extent(), building) {
                     is_shown = true;
                     let ring = |ring: &Vec<DVec2>| ring.iter().map(|p| p.to_array()).collect();
                     self.emit(
@@ -74,8 +74,8 @@ impl Reader<'_, '_, '_> {
     }
 }
 
-/// Whether a slab is a part of the ground of a building, and not what all of it stands on.
-fn is_within(slab: [DVec2; 2], building: [DVec2; 2]) -> bool {
+/// Whether a slab is a part of the ground of a building: not beside it, and not what all of it stands on.
+fn is_part_of(slab: [DVec2; 2], building: [DVec2; 2]) -> bool {
     let area = |[low, high]: [DVec2; 2]| (high - low).element_product();
-    area(slab) < GROUND_MIN * area(building)
+    share_of_smaller(slab, building) > 0.0 && area(slab) < GROUND_MIN * area(building)
 }
