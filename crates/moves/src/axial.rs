@@ -676,6 +676,23 @@ impl<'a> Axial<'a> {
         (0..last).map(move |c| (c, n))
     }
 
+    /// How far the joints at a chain's ends reach into it: half its own thickness, or half that of a wall it ends at, whose
+    /// side may be drawn past the joint.
+    fn joints_of(&self, chain: &Chain) -> [f64; 2] {
+        let mut out = [chain.thickness / 2.0; 2];
+        for n in chain.edges.iter().flat_map(|e| self.axes.edges[*e as usize].nodes) {
+            let x = chain.local(self.axes.nodes[n as usize].at).x;
+            let others = self.around(n).filter(|(i, _)| !chain.edges.contains(i));
+            let half = others.map(|(_, e)| e.thickness_m / 2.0).fold(0.0, f64::max);
+            for (end, at) in [chain.from, chain.to].into_iter().enumerate() {
+                if (x - at).abs() < BESIDE_M {
+                    out[end] = out[end].max(half);
+                }
+            }
+        }
+        out
+    }
+
     /// How far a chain may slide until something stands too near; walls at another angle that it slides along are
     /// no hindrance. `None` where a piece that stays lies in
     /// the wall.
@@ -683,8 +700,8 @@ impl<'a> Axial<'a> {
         let node = |h: Handle| self.graph.control_nodes[h.0 as usize][h.1 as usize];
         let ends = |f: &FaceRef| face_handles(self.plan, *f).into_iter().map(node).collect();
         let joined: BTreeSet<Vec<u32>> = oblique.iter().map(ends).collect();
-        let (own, inset) = (chain.thickness / 2.0, chain.thickness / 2.0 + BESIDE_M);
-        let (from, to) = (chain.from + inset, chain.to - inset);
+        let (own, [first, last]) = (chain.thickness / 2.0, self.joints_of(chain));
+        let (from, to) = (chain.from + first + BESIDE_M, chain.to - last - BESIDE_M);
         let mut way = [f64::MIN, f64::MAX];
         let reach = own + PARTITION_SLIDE_M + PASSAGE_M;
         let corners = [(from, -reach), (to, -reach), (from, reach), (to, reach)];

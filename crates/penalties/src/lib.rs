@@ -10,7 +10,7 @@
 //!
 //! let wall = |end_m: f64| {
 //!     let [a, b] = [DVec2::ZERO, DVec2::new(end_m, 0.0)];
-//!     WallPiece { a, b, nodes: [0, 1], is_moving: true, solid: None, bar: None }
+//!     WallPiece { a, b, nodes: [0, 1], is_moving: true, solid: None, bar: None, body: None }
 //! };
 //! let drawn = [wall(4.0)];
 //! let penalty = WallLength::new(&Layout { pieces: &drawn });
@@ -59,9 +59,26 @@ pub struct WallPiece {
     pub solid: Option<u32>,
     /// Number of the thick wall of which this is a face: what is drawn with two faces is one wall.
     pub bar: Option<u32>,
+    /// On which side of the way from `a` to `b` the body of its wall lies; `None` where none is known: a single line.
+    pub body: Option<BodySide>,
+}
+
+/// A side of a piece, seen from its first end to its second.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BodySide {
+    /// To the left.
+    Left,
+    /// To the right.
+    Right,
 }
 
 impl WallPiece {
+    /// Unit normal into the body of its wall, where that is known.
+    pub fn into_body(&self) -> Option<DVec2> {
+        let left = (self.b - self.a).try_normalize()?.perp();
+        self.body.map(|side| if side == BodySide::Left { left } else { -left })
+    }
+
     /// Length, metres, ≥ 0.
     pub fn length_m(&self) -> f64 {
         self.a.distance(self.b)

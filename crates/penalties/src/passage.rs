@@ -1,7 +1,7 @@
 //! Minimum passage width: walls that move must not narrow a way between walls below it.
 
 use super::pairs::{Aabb, BoxGrid, sweep};
-use super::{Layout, Meeting, TOUCH_M, WallPiece, common_length_m, meeting, through_m};
+use super::{Layout, Meeting, TOUCH_M, WallPiece, common_length_m, meeting};
 use enfilade_cad::plane::is_inside_ring;
 use glam::DVec2;
 
@@ -9,8 +9,8 @@ use glam::DVec2;
 ///
 /// A passage is the shortest line between two walls where no third wall stands across it. It is too
 /// narrow by what its width lacks to the wanted width; where it was narrower than that before, to the
-/// width it had: what the drawing has is nobody's fault. The two faces of one wall are no passage, nor is what a wall
-/// fills.
+/// width it had: what the drawing has is nobody's fault. It leaves and reaches walls on their free sides: what the body
+/// of a wall fills is none, whether that is drawn as two faces, a box or one outline with all others.
 /// Two walls that come to touch close the passage, which `disconnection` judges.
 #[derive(Clone, Debug)]
 pub struct Passage {
@@ -61,9 +61,8 @@ impl Passage {
 
     fn missing_m(&self, now: &[WallPiece], i: usize, j: usize) -> f64 {
         let (p, q) = (&now[i], &now[j]);
-        let is_one = p.nodes.iter().any(|n| q.nodes.contains(n)) || p.solid.is_some() && p.solid == q.solid;
         let Meeting::Apart(gap_m) = meeting(p.ends(), q.ends()) else { return 0.0 };
-        if is_one || gap_m >= self.width_m || are_faces(p, q) {
+        if p.nodes.iter().any(|n| q.nodes.contains(n)) || gap_m >= self.width_m || !are_open(p, q) {
             return 0.0;
         }
         let was_m = match meeting(self.initial[i].ends(), self.initial[j].ends()) {
@@ -106,13 +105,14 @@ impl Passage {
     }
 
     /// Whether no third wall stands across the shortest line between two, or runs along it: between a wall and the jamb
-    /// that ends the next one lies a wall, and nobody goes there.
+    /// that ends the next one lies a wall, and nobody goes there. What meets it at its ends alone is the next side of one of
+    /// the two.
     fn is_free(&self, now: &[WallPiece], i: usize, j: usize) -> bool {
         let line = shortest(now[i].ends(), now[j].ends());
         let stands_across = |k: usize| {
             let ends = now[k].ends();
             let is_in_it = || common_length_m(line, ends).is_some_and(|m| m > TOUCH_M);
-            k != i && k != j && (through_m(line, ends).is_some() || is_in_it())
+            k != i && k != j && (meets_within(line, ends) || is_in_it())
         };
         let mut free = !self.moving.iter().any(|&k| stands_across(k));
         if free {
@@ -122,15 +122,28 @@ impl Passage {
     }
 }
 
-/// Whether two pieces face each other across the body of one thick wall; its two sides of a door do not.
-fn are_faces(p: &WallPiece, q: &WallPiece) -> bool {
-    let [a, b] = shortest(p.ends(), q.ends());
-    let is_across = |w: &WallPiece| (w.b - w.a).dot(b - a).abs() < ACROSS * w.a.distance(w.b) * a.distance(b);
-    p.bar.is_some() && p.bar == q.bar && is_across(p) && is_across(q)
+/// Whether a piece meets a line anywhere but at the line's ends.
+fn meets_within(line: [DVec2; 2], piece: [DVec2; 2]) -> bool {
+    let (u, v) = (line[1] - line[0], piece[1] - piece[0]);
+    let turn = u.perp_dot(v);
+    let between = piece[0] - line[0];
+    let (s, t) = (between.perp_dot(v) / turn, between.perp_dot(u) / turn);
+    let at_m = s * u.length();
+    turn != 0.0 && (TOUCH_M..=u.length() - TOUCH_M).contains(&at_m) && (0.0..=1.0).contains(&t)
 }
 
-/// A line runs across a wall where the cosine of their angle is less than this: half a right angle.
-const ACROSS: f64 = 0.7;
+/// Whether the shortest line between two pieces runs outside the bodies of their walls where it leaves them.
+fn are_open(p: &WallPiece, q: &WallPiece) -> bool {
+    let [a, b] = shortest(p.ends(), q.ends());
+    let is_free = |w: &WallPiece, out: DVec2| {
+        let into = w.into_body().map_or(0.0, |n| n.dot(out));
+        into <= INTO_BODY * out.length()
+    };
+    is_free(p, b - a) && is_free(q, a - b)
+}
+
+/// A line runs into a wall where the sine of its angle to the face is more than this: faces are drawn a little askew.
+const INTO_BODY: f64 = 0.02;
 
 /// The shortest line between two segments that do not meet, from `p` to `q`. Between parallel ones it is the middle of all
 /// that are as short: those at their ends may run along the wall at which both stand.
@@ -167,9 +180,18 @@ fn sides(ring: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::BodySide;
 
     fn wall(a: [f64; 2], b: [f64; 2], node: u32, is_moving: bool) -> WallPiece {
-        WallPiece { a: a.into(), b: b.into(), nodes: [node, node + 1], is_moving, solid: None, bar: None }
+        WallPiece {
+            a: a.into(),
+            b: b.into(),
+            nodes: [node, node + 1],
+            is_moving,
+            solid: None,
+            bar: None,
+            body: None,
+        }
     }
 
     /// A fixed wall up to (0, 0), and a moving one that goes on from (x, 0).
@@ -199,11 +221,12 @@ mod tests {
     fn what_a_wall_fills_is_no_way() {
         let face = |y: f64, is_moving: bool, node: u32| {
             let wall = wall([0.0, y], [4.0, y], node, is_moving);
-            WallPiece { bar: Some(1), ..wall }
+            let body = if node == 0 { BodySide::Left } else { BodySide::Right };
+            WallPiece { body: Some(body), ..wall }
         };
         let faces = |y: f64| vec![face(y, true, 0), face(0.1, false, 2)];
         assert_eq!(missing(&faces(0.0), &faces(0.05)), 0.0);
-        let alone = |y: f64| faces(y).into_iter().map(|w| WallPiece { bar: None, ..w }).collect::<Vec<_>>();
+        let alone = |y: f64| faces(y).into_iter().map(|w| WallPiece { body: None, ..w }).collect::<Vec<_>>();
         assert!(missing(&alone(0.0), &alone(0.05)) > 0.0, "of two walls it is one");
         // From the corner at x the next wall's face runs to its jamb at 0.6.
         let stub = |x: f64| {

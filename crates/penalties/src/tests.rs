@@ -19,7 +19,7 @@ fn pieces(walls: &[([f64; 4], bool)]) -> Vec<WallPiece> {
     };
     let piece = |&([x0, y0, x1, y1], is_moving): &([f64; 4], bool)| {
         let (a, b) = (dvec2(x0, y0), dvec2(x1, y1));
-        WallPiece { a, b, nodes: [node(a), node(b)], is_moving, solid: None, bar: None }
+        WallPiece { a, b, nodes: [node(a), node(b)], is_moving, solid: None, bar: None, body: None }
     };
     walls.iter().map(piece).collect()
 }
@@ -46,6 +46,7 @@ fn solids(rings: &[&[[f64; 2]]]) -> Vec<WallPiece> {
             is_moving: true,
             solid: Some(k as u32),
             bar: None,
+            body: None,
         }));
     }
     all

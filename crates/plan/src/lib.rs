@@ -28,6 +28,7 @@
 pub mod allowed;
 pub mod asked;
 pub mod axes;
+pub mod body_sides;
 pub mod by_place;
 mod choice;
 mod crowd;

@@ -6,7 +6,8 @@ use crate::understand::understood::Understood;
 use enfilade_cad::drawing::Shape;
 use enfilade_engine::geometry::Segment;
 use enfilade_moves::Layout;
-use enfilade_penalties::WallPiece;
+use enfilade_penalties::{BodySide, WallPiece};
+use enfilade_plan::body_sides::body_sides;
 use enfilade_plan::curve::{Trace, trace_like};
 use enfilade_plan::structure;
 
@@ -29,6 +30,7 @@ impl Pieces {
         let moves = piece_moves(base);
         let mut out = Self { drawn: Vec::new(), walls: Vec::new(), ranges: vec![[0; 2]; moves.len()], moves };
         let bars = structure::thick_walls(&base.axes);
+        let sides = body_sides(&base.plan, &base.axes);
         for (w, wall) in base.plan.walls.iter().enumerate() {
             let moving = base.moves.walls.binary_search(&(w as u32)).ok();
             let start = out.drawn.len();
@@ -38,7 +40,9 @@ impl Pieces {
                 let [a, b] = [s.a, s.b].map(|p| base.plan.frame.plan_from_um(p));
                 let solid = wall.is_solid.then_some(w as u32);
                 let bar = bars.get(&(w as u32, part)).copied();
-                out.drawn.push(WallPiece { a, b, nodes: [nodes[i], nodes[j]], is_moving, solid, bar });
+                let is_left = sides.get(&(w as u32, part));
+                let body = is_left.map(|left| if *left { BodySide::Left } else { BodySide::Right });
+                out.drawn.push(WallPiece { a, b, nodes: [nodes[i], nodes[j]], is_moving, solid, bar, body });
                 out.walls.push(w as u32);
             }
             if let Some(i) = moving {

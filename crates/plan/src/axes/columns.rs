@@ -10,7 +10,7 @@ use super::{AxisGraph, Drawn, FaceRef, Path, Role};
 
 /// Two lines whose ends are this near are drawn twice.
 const TWIN_M: f64 = 0.003;
-/// How much of its box a column fills.
+/// How much of its box a column fills that nobody calls one; crosses and steel profiles fill less.
 const FILL_MIN: f64 = 0.5;
 /// Points by which a round column is given.
 const ROUND_POINTS: usize = 24;
@@ -79,7 +79,8 @@ fn column_of(drawn: &Drawn, faces: &[u32]) -> Option<Column> {
     let (long, short) = box_of(&ring)?;
     let said = all().any(|f| f.role == Role::Column);
     let slim = if said { 3.0 * COLUMN_ASPECT_MAX } else { COLUMN_ASPECT_MAX };
-    let is_column = long <= COLUMN_MAX_M && long <= slim * short && area >= FILL_MIN * long * short;
+    let is_full = said || area >= FILL_MIN * long * short;
+    let is_column = long <= COLUMN_MAX_M && long <= slim * short && is_full;
     is_column.then_some(Column { centre, ring, faces: refs })
 }
 

@@ -81,8 +81,13 @@ pub fn pair(drawn: &Drawn, runs: Vec<Run>) -> Paired {
     cells.retain(|c| c.known != Known::Air || c.t <= ERROR_GAP_M);
     let mut choice = Choice::new(&runs, &cells);
     let order = choice.order();
-    for c in order.iter().filter(|c| cells[**c].known == Known::Wall) {
-        choice.take(*c, STUB_ASPECT);
+    // The end of a stub faces the far side of the wall that it stands at: a wall is taken along its length first.
+    for (is_along, aspect) in [(true, 1.0), (false, STUB_ASPECT)] {
+        let known = order.iter().filter(|c| cells[**c].known == Known::Wall);
+        for c in known.filter(|c| !is_along || is_as_long(cells[**c].span, cells[**c].t)) {
+            choice.take(*c, aspect);
+        }
+        choice.mark_caps();
     }
     for c in order.iter().filter(|c| is_as_long(cells[**c].span, cells[**c].t)) {
         choice.take(*c, 1.0);
