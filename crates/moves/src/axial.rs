@@ -11,8 +11,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
+use super::followed::along;
 use super::mitre::CROSSING_MIN_RAD;
 use super::neighbours::{Neighbours, Piece};
+use super::remains::REST_M;
 use super::sizes::{DOOR_WIDTH_M, PARTITION_SLIDE_M, PARTITION_THICKNESS_MAX_M, SLIDE_M, SLIDE_MIN_M};
 use super::sliding::{Sliding, clipped, upright, whole_mm};
 use super::things::{AT_WALL_M, Things};
@@ -39,9 +41,6 @@ const LOOK_M: f64 = 0.5;
 
 /// Shortest partition.
 const PARTITION_LENGTH_MIN_M: f64 = 0.8;
-
-/// What must remain of a stretched piece, and between a joint and the next.
-const REST_M: f64 = 0.1;
 
 /// What stays free between a sliding partition and the next thing beside it.
 const PASSAGE_M: f64 = 0.8;
@@ -133,6 +132,16 @@ pub(super) struct Axial<'a> {
     at_node: Vec<Vec<u32>>,
     /// Doors and windows of which the side of an edge is a jamb: edge, opening.
     jamb_sides: Vec<(u32, u32)>,
+    /// Walls that move whole, by their record.
+    whole: BTreeMap<usize, Vec<u32>>,
+}
+
+/// What moves with a chain.
+struct Own {
+    /// Its corners, and those of what ends at it.
+    handles: BTreeSet<Handle>,
+    /// Records of its walls that move whole.
+    records: BTreeSet<usize>,
 }
 
 /// Edges on one line, joined at nodes or by openings.
@@ -188,6 +197,7 @@ impl<'a> Axial<'a> {
             has_partitions,
             at_node,
             jamb_sides,
+            whole: walls_by_record(plan),
         };
         if let Some(usual) = out.usual_thickness() {
             out.has_partitions = true;
@@ -266,7 +276,12 @@ impl<'a> Axial<'a> {
         }
         let at = opening.jambs.map(|j| j.at);
         let room = self.things.room_along(at, opening.thickness_m, &handles, SLIDE_M);
-        let nodes = self.nodes(&handles)?;
+        let own = Own { handles, records: BTreeSet::new() };
+        let nodes = self.nodes(&own)?;
+        // The sides of an opening in a wall that moves whole are its slot's.
+        if own.handles.iter().any(|h| self.plan.walls[h.0 as usize].editable != Editable::Free) {
+            return None;
+        }
         let along = self.along_stretched(&nodes, along);
         let [lo, hi] = self.stretch(&nodes, along, &BTreeSet::new())?;
         let behind = |e: &Edge| self.length(e) - REST_M - self.joint_half(e);
@@ -278,7 +293,15 @@ impl<'a> Axial<'a> {
             let way = if is_turned { [-hi, -lo] } else { [lo, hi] };
             // No −0: it would be told so.
             let way = way.map(|v| v * self.plan.human_scale + 0.0);
-            Sliding { nodes, direction, way, at: opening.centre, size: opening.width_m, slot: None }
+            Sliding {
+                nodes,
+                direction,
+                way,
+                at: opening.centre,
+                size: opening.width_m,
+                slot: None,
+                wall: None,
+            }
         })
     }
 
@@ -294,7 +317,17 @@ impl<'a> Axial<'a> {
 
     /// Half the thickness of the thickest wall that joins an edge at either end.
     fn joint_half(&self, edge: &Edge) -> f64 {
-        let joins = edge.nodes.iter().flat_map(|n| self.around(*n)).filter(|(_, e)| !std::ptr::eq(*e, edge));
+        edge.nodes.iter().map(|n| self.half_at(*n, edge)).fold(0.0, f64::max)
+    }
+
+    /// Half the thickness of the thickest wall that joins an edge at a node and does not go on along it.
+    fn half_at(&self, node: u32, edge: &Edge) -> f64 {
+        let along = |e: &Edge| {
+            let [a, b] = self.axes.ends(e);
+            (b - a).normalize_or_zero()
+        };
+        let crosses = |e: &Edge| along(e).perp_dot(along(edge)).abs() > PARALLEL_SIN;
+        let joins = self.around(node).filter(|(_, e)| !std::ptr::eq(*e, edge) && crosses(e));
         joins.map(|(_, e)| e.thickness_m / 2.0).fold(0.0, f64::max)
     }
 
@@ -329,9 +362,13 @@ impl<'a> Axial<'a> {
         let direction = chain.along.perp();
         let mut oblique = BTreeSet::new();
         let joint = self.joint_way(chain, &mut oblique)?;
-        let mut handles = self.corners(chain).ok_or(Stays::Joined)?;
-        let beside = self.take_doors_beside(chain, &mut handles).ok_or(Stays::Occupied)?;
-        let nodes = self.nodes(&handles).ok_or(Stays::Unwritable)?;
+        let mut own = self.corners(chain).ok_or(Stays::Joined)?;
+        // What moves whole keeps its ends as they are: no face is cut anew.
+        if !oblique.is_empty() && !own.records.is_empty() {
+            return Err(Stays::Joined);
+        }
+        let beside = self.take_doors_beside(chain, &mut own.handles).ok_or(Stays::Occupied)?;
+        let nodes = self.nodes(&own).ok_or(Stays::Unwritable)?;
         if self.stretches_carrying(&nodes) {
             return Err(Stays::Thick);
         }
@@ -343,13 +380,15 @@ impl<'a> Axial<'a> {
         }
         let direction = self.along_stretched(&nodes, direction);
         let stretch = self.stretch(&nodes, direction, &oblique).ok_or(Stays::Joined)?;
+        let ends = self.ends_way(&own, direction);
         let mut free = self.free_way(chain, &nodes, &oblique).ok_or(Stays::Occupied)?;
-        if !self.keep_off_things(chain, &handles, &mut free) {
+        if !self.keep_off_things(chain, &own.handles, &mut free) {
             return Err(Stays::Occupied);
         }
-        let lo = stretch[0].max(free[0]).max(joint[0]).max(beside[0]).max(-PARTITION_SLIDE_M);
-        let hi = stretch[1].min(free[1]).min(joint[1]).min(beside[1]).min(PARTITION_SLIDE_M);
-        let (lo, hi) = ((lo.min(0.0) * 1e2).ceil() / 1e2, (hi.max(0.0) * 1e2).floor() / 1e2);
+        let ways = [stretch, free, joint, beside, ends, [-PARTITION_SLIDE_M, PARTITION_SLIDE_M]];
+        let [lo, hi] = ways.into_iter().fold([f64::MIN, f64::MAX], |[l, h], w| [l.max(w[0]), h.min(w[1])]);
+        let whole_cm = |way: f64| (way.max(0.0) * 1e2 + 1e-6).floor() / 1e2;
+        let (lo, hi) = (-whole_cm(-lo), whole_cm(hi));
         if hi - lo < 2.0 * SLIDE_MIN_M {
             return Err(Stays::Narrow);
         }
@@ -357,6 +396,7 @@ impl<'a> Axial<'a> {
         let way = if is_turned { [-hi, -lo] } else { [lo, hi] };
         Ok(Sliding {
             nodes,
+            wall: self.axes.edges[chain.edges[0] as usize].left.first().map(|f| f.0),
             direction,
             way: way.map(|v| v * self.plan.human_scale),
             at: chain.world(f64::midpoint(chain.from, chain.to), 0.0),
@@ -381,12 +421,23 @@ impl<'a> Axial<'a> {
     fn is_inner(&self, chain: &Chain) -> bool {
         let length = chain.to - chain.from;
         let side = chain.thickness / 2.0 + 0.35;
-        let looks = ((length / LOOK_M) as u32).saturating_sub(1);
-        let looks = (0..looks).map(|i| LOOK_M * f64::from(i + 1));
-        let mut looks = looks.chain([0.2, 0.5, 0.8].map(|t| length * t));
+        let steps = ((length / LOOK_M) as u32).saturating_sub(1);
+        let steps = (0..steps).map(|i| LOOK_M * f64::from(i + 1));
+        let looks: Vec<f64> = steps.chain([0.2, 0.5, 0.8].map(|t| length * t)).collect();
         let is_window = |o: &u32| self.axes.openings[*o as usize].kind == OpeningKind::Window;
-        !chain.openings.iter().any(is_window)
-            && looks.all(|x| [-side, side].iter().all(|y| self.is_inside(chain.world(chain.from + x, *y))))
+        let is_side_inner = |y: &f64| {
+            let places = looks.iter().map(|x| chain.world(chain.from + x, *y));
+            let mut seen = places.filter(|p| !self.is_near_joined(chain, *p)).peekable();
+            seen.peek().is_some() && seen.all(|p| self.is_inside(p))
+        };
+        !chain.openings.iter().any(is_window) && [-side, side].iter().all(is_side_inner)
+    }
+
+    /// Whether a place lies in or near a wall that ends at a chain: how far inside it is, is not to be told there.
+    fn is_near_joined(&self, chain: &Chain, p: DVec2) -> bool {
+        let nodes = chain.edges.iter().flat_map(|e| self.axes.edges[*e as usize].nodes);
+        let mut joined = nodes.flat_map(|n| self.around(n)).filter(|(i, _)| !chain.edges.contains(i));
+        joined.any(|(_, e)| distance_to_segment(p, self.axes.ends(e)) <= e.thickness_m / 2.0 + INSIDE_M)
     }
 
     /// The openings that go along with a chain: those in it, and those that end at its side.
@@ -489,7 +540,7 @@ impl<'a> Axial<'a> {
                     oblique.extend(e.left.iter().chain(&e.right));
                 }
                 is_held = true;
-                let rest = REST_M + chain.thickness / 2.0 + self.joint_half(e);
+                let rest = REST_M + chain.thickness / 2.0 + self.half_at(other, e);
                 if y > 0.0 { way[1] = way[1].min(y - rest) } else { way[0] = way[0].max(y + rest) }
             }
         }
@@ -566,50 +617,87 @@ impl<'a> Axial<'a> {
         self.around(node).any(|(_, f)| shares(f))
     }
 
-    /// The corners that move with a chain. `None` where one of its faces runs on beyond it.
-    fn corners(&self, chain: &Chain) -> Option<BTreeSet<Handle>> {
+    /// What moves with a chain. `None` where one of its faces runs on beyond it.
+    fn corners(&self, chain: &Chain) -> Option<Own> {
         let (plan, axes) = (self.plan, self.axes);
         let reach = chain.thickness / 2.0 + BESIDE_M;
         let is_own = |h: &Handle| {
             let p = chain.local(handle_at(plan, *h));
             p.y.abs() <= reach && p.x >= chain.from - reach - BESIDE_M && p.x <= chain.to + reach + BESIDE_M
         };
-        let mut out = BTreeSet::new();
+        let mut out = Own { handles: BTreeSet::new(), records: BTreeSet::new() };
         for e in chain.edges.iter().map(|e| &axes.edges[*e as usize]) {
-            let faces = e.left.iter().chain(&e.right).chain(&e.inner);
-            for h in faces.flat_map(|f| face_handles(plan, *f)) {
-                if !is_own(&h) {
-                    return None;
+            for f in e.left.iter().chain(&e.right).chain(&e.inner) {
+                let wall = &plan.walls[f.0 as usize];
+                out.records.extend(wall.editable.moves_whole().then_some(wall.source.record));
+                for h in face_handles(plan, *f) {
+                    if !is_own(&h) {
+                        return None;
+                    }
+                    out.handles.insert(h);
                 }
-                out.insert(h);
             }
             for n in e.nodes {
                 let caps = axes.nodes[n as usize].faces.iter().flat_map(|f| face_handles(plan, *f));
-                out.extend(caps.filter(is_own));
-                let joined = axes.edges.iter().enumerate();
-                let joined =
-                    joined.filter(|(i, f)| f.nodes.contains(&n) && !chain.edges.contains(&(*i as u32)));
-                out.extend(joined.flat_map(|(_, f)| end_handles(plan, axes, f, n)).filter(is_own));
+                out.handles.extend(caps.filter(is_own));
+                let joined = self.around(n).filter(|(i, _)| !chain.edges.contains(i));
+                let ends = joined.flat_map(|(_, f)| end_handles(plan, axes, f, n));
+                out.handles.extend(ends.filter(is_own));
             }
         }
         for o in chain.openings.iter().map(|o| &axes.openings[*o as usize]) {
-            out.extend(o.faces.iter().flat_map(|f| face_handles(plan, *f)).filter(is_own));
+            out.handles.extend(o.faces.iter().flat_map(|f| face_handles(plan, *f)).filter(is_own));
         }
+        // The end of another wall may lie on a face: of what moves whole, the chain has what lies in it altogether.
+        let controls = |w: &u32| {
+            (0..self.graph.control_nodes[*w as usize].len() as u32).map(|c| (*w, c)).collect::<Vec<_>>()
+        };
+        let all = |r: &usize| self.whole[r].iter().flat_map(controls).collect::<Vec<Handle>>();
+        out.records.retain(|r| all(r).iter().all(is_own));
+        out.handles.extend(out.records.iter().flat_map(all));
         Some(out)
     }
 
-    /// The graph's nodes of some corners, if all that meets in them can be written back point by point.
-    fn nodes(&self, handles: &BTreeSet<Handle>) -> Option<Vec<u32>> {
-        let mut nodes: Vec<u32> =
-            handles.iter().map(|(w, c)| self.graph.control_nodes[*w as usize][*c as usize]).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let walls = nodes.iter().flat_map(|n| &self.graph.handles[*n as usize]).map(|h| h.0);
-        let is_free = walls.into_iter().all(|w| {
-            let wall = &self.plan.walls[w as usize];
-            wall.editable == Editable::Free && !matches!(wall.shape, Shape::Arc { .. })
+    /// The graph's nodes of what moves, if all that meets in them can be written: point by point, whole, or as an end that
+    /// goes along its wall.
+    fn nodes(&self, own: &Own) -> Option<Vec<u32>> {
+        let node = |(w, c): &Handle| self.graph.control_nodes[*w as usize][*c as usize];
+        let nodes: BTreeSet<u32> = own.handles.iter().map(node).collect();
+        let mut met = nodes.iter().flat_map(|n| &self.graph.handles[*n as usize]);
+        let is_writable = met.all(|(w, c)| {
+            let wall = &self.plan.walls[*w as usize];
+            match &wall.editable {
+                Editable::Free => !matches!(wall.shape, Shape::Arc { .. }),
+                Editable::No(_) => false,
+                _ if own.records.contains(&wall.source.record) => true,
+                Editable::Wall { ends, .. } => ends.iter().any(|end| end.contains(c)),
+                Editable::WithInsert { .. } => false,
+            }
         });
-        (is_free && !nodes.is_empty()).then_some(nodes)
+        (is_writable && !nodes.is_empty()).then(|| nodes.into_iter().collect())
+    }
+
+    /// How far the ends of walls that change their length with a chain let it slide: what of their bodies stays, at whatever
+    /// height, ends their way. Metres of a person.
+    fn ends_way(&self, own: &Own, direction: DVec2) -> [f64; 2] {
+        let mut way = [f64::MIN, f64::MAX];
+        let per_unit = self.plan.frame.metres_per_unit / self.plan.human_scale;
+        for (w, c) in &own.handles {
+            let wall = &self.plan.walls[*w as usize];
+            let Editable::Wall { ends, free } = &wall.editable else { continue };
+            let record = wall.source.record;
+            let Some(along) = self.whole.get(&record).and_then(|all| along(self.plan, all)) else { continue };
+            for end in (0..2).filter(|end| !own.records.contains(&record) && ends[*end].contains(c)) {
+                let inward = if end == 0 { along } else { -along };
+                let rest = (free[end] * per_unit - REST_M).max(0.0);
+                if inward.dot(direction) > 0.0 {
+                    way[1] = way[1].min(rest);
+                } else {
+                    way[0] = way[0].max(-rest);
+                }
+            }
+        }
+        way
     }
 
     /// How far nodes may shift in a direction until a stretched piece grows too short, metres of a person.
@@ -676,6 +764,19 @@ impl<'a> Axial<'a> {
         (0..last).map(move |c| (c, n))
     }
 
+    /// The faces of walls that end at a chain, and what closes their far ends: they grow longer or shorter with it.
+    fn faces_of_joined(&self, chain: &Chain) -> Vec<FaceRef> {
+        let mut out = Vec::new();
+        for n in chain.edges.iter().flat_map(|e| self.axes.edges[*e as usize].nodes) {
+            for (_, e) in self.around(n).filter(|(i, _)| !chain.edges.contains(i)) {
+                let far = &self.axes.nodes[e.nodes[usize::from(e.nodes[0] == n)] as usize];
+                let caps = if matches!(far.kind, NodeKind::End) { far.faces.as_slice() } else { &[] };
+                out.extend(e.left.iter().chain(&e.right).chain(&e.inner).chain(caps));
+            }
+        }
+        out
+    }
+
     /// How far the joints at a chain's ends reach into it: half its own thickness, or half that of a wall it ends at, whose
     /// side may be drawn past the joint.
     fn joints_of(&self, chain: &Chain) -> [f64; 2] {
@@ -699,7 +800,8 @@ impl<'a> Axial<'a> {
     fn free_way(&self, chain: &Chain, nodes: &[u32], oblique: &BTreeSet<FaceRef>) -> Option<[f64; 2]> {
         let node = |h: Handle| self.graph.control_nodes[h.0 as usize][h.1 as usize];
         let ends = |f: &FaceRef| face_handles(self.plan, *f).into_iter().map(node).collect();
-        let joined: BTreeSet<Vec<u32>> = oblique.iter().map(ends).collect();
+        let of_joined = self.faces_of_joined(chain);
+        let joined: BTreeSet<Vec<u32>> = oblique.iter().chain(&of_joined).map(ends).collect();
         let (own, [first, last]) = (chain.thickness / 2.0, self.joints_of(chain));
         let (from, to) = (chain.from + first + BESIDE_M, chain.to - last - BESIDE_M);
         let mut way = [f64::MIN, f64::MAX];
@@ -746,4 +848,13 @@ impl<'a> Axial<'a> {
         }
         true
     }
+}
+
+/// The walls that move whole, by their record.
+fn walls_by_record(plan: &Plan) -> BTreeMap<usize, Vec<u32>> {
+    let mut out: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+    for (w, wall) in (0u32..).zip(&plan.walls).filter(|(_, w)| w.editable.moves_whole()) {
+        out.entry(wall.source.record).or_default().push(w);
+    }
+    out
 }

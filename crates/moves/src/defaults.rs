@@ -8,6 +8,7 @@ use super::axial::{Axial, Stays, told};
 use super::doorways::Doorways;
 use super::furniture::{self, Element};
 use super::neighbours::{Neighbours, Piece, SQUARES_MAX};
+use super::remains::REST_M;
 use super::sizes::{DOOR_WIDTH_M, SLIDE_M, SLIDE_MIN_M, TOUCH_M, WALL_THICKNESS_MAX_M};
 use super::sliding::{Sliding, upright, whole_mm};
 use super::things::Things;
@@ -44,8 +45,6 @@ const POST_MAX_M: f64 = 0.6;
 const COLUMN_MAX_M: f64 = 1.0;
 /// Directions whose cosine is smaller cross at right angles.
 const CROSSING_COS: f64 = 0.02;
-/// What must remain of a wall beside a sliding door.
-const WALL_REST_M: f64 = 0.1;
 /// Most groups made by default: more than that nobody tells apart, and no small budget finds good layouts.
 pub const GROUPS_MAX: usize = 12;
 /// Most wall pieces looked at pairwise for doors and neighbours.
@@ -100,8 +99,7 @@ pub fn groups(
         let group = |(i, s): (usize, Sliding)| s.group(plan, graph, format!("{word}-{}", i + 1));
         list.into_iter().enumerate().map(group).collect()
     };
-    let (found, mut walls) = ((elements.len(), doors.len()), named(sliding, "wall"));
-    walls.extend(super::partitions::partitions(plan, graph, interior));
+    let (found, walls) = ((elements.len(), doors.len()), named(sliding, "wall"));
     let sliding = walls.len();
     let (mut taken, mut doorways) = (Taken::default(), Doorways::new(plan, graph, axes, &things));
     let mut out: Vec<(Group, Vec<u32>)> = Vec::new();
@@ -510,7 +508,7 @@ fn simple_doors(
         if j <= i || !is_inside || !is_free(e, f, plan, pieces, neighbours) {
             continue;
         }
-        let room = |behind_m: f64| whole_mm(SLIDE_M.min(behind_m - WALL_REST_M).max(0.0));
+        let room = |behind_m: f64| whole_mm(SLIDE_M.min(behind_m - REST_M).max(0.0));
         let (back, forth) = (room(e.behind_m), room(f.behind_m));
         if back + forth >= 2.0 * SLIDE_MIN_M {
             let mut nodes: Vec<u32> = e.nodes.iter().chain(&f.nodes).copied().collect();
@@ -520,7 +518,7 @@ fn simple_doors(
             let way = if is_turned { [-forth, back] } else { [-back, forth] };
             let way = way.map(|v| v * plan.human_scale + 0.0);
             let size = e.at.distance(f.at);
-            found.push(Sliding { nodes, direction, way, at: middle, size, slot: None });
+            found.push(Sliding { nodes, direction, way, at: middle, size, slot: None, wall: None });
         }
     }
     found.sort_by(|a, b| a.at.x.total_cmp(&b.at.x).then(a.at.y.total_cmp(&b.at.y)));
@@ -541,7 +539,7 @@ fn ends(plan: &Plan, graph: &Graph, pieces: &[Piece]) -> Vec<End> {
     for (n, around) in &at_node {
         if let ([i], true) = (around.as_slice(), is_control(*n)) {
             let d = away(*i, *n);
-            if d.length() > WALL_REST_M {
+            if d.length() > REST_M {
                 out.push(End {
                     nodes: vec![*n],
                     at: graph.nodes[*n as usize] / plan.human_scale,

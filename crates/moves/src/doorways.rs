@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::joined::Goer;
+use super::remains::Ledger;
 use super::sides::Side;
 use super::sizes::{DOOR_WIDTH_M, SLIDE_MIN_M};
 use super::sliding::clipped;
@@ -147,8 +147,6 @@ struct Taken {
     doors: BTreeSet<usize>,
     /// Its walls.
     walls: BTreeSet<u32>,
-    /// What it takes along walls, with the bounds of its parameter.
-    goers: Vec<(Goer, [f64; 2])>,
     /// Its pieces at all places tried, with their walls, and their box.
     pieces: Vec<(u32, Piece)>,
     hull: [DVec2; 2],
@@ -166,6 +164,8 @@ pub(super) struct Doorways<'a> {
     /// Where the groups taken so far can put each door, and which of them.
     places: BTreeMap<usize, Vec<(usize, Piece)>>,
     taken: Vec<Taken>,
+    /// What the groups taken so far leave of the sides of walls.
+    ledger: Ledger,
     /// How many groups were shortened, and how many stay for it.
     pub told: [usize; 2],
 }
@@ -184,6 +184,7 @@ impl<'a> Doorways<'a> {
             drawn: plan.walls.iter().map(|w| &w.trace).enumerate().flat_map(of_wall).collect(),
             places: BTreeMap::new(),
             taken: Vec::new(),
+            ledger: Ledger::default(),
             told: [0; 2],
         }
     }
@@ -195,9 +196,7 @@ impl<'a> Doorways<'a> {
             return Some(group.clone());
         }
         let mut alone = self.alone(group, nodes);
-        let goers =
-            alone.parameters.first().map_or_else(Vec::new, |p| alone.joined.goers(self.plan, &p.clause));
-        let shorter = self.within_walls(group, &goers);
+        let shorter = self.within_walls(group, &alone);
         if shorter.clauses != group.clauses {
             if !shorter.clauses.iter().all(|c| is_worth_moving(c, self.plan.human_scale)) {
                 self.told[1] += 1;
@@ -230,24 +229,30 @@ impl<'a> Doorways<'a> {
         self.told[0] += usize::from(is_shorter);
         self.told[1] += usize::from(out.is_none());
         if let Some(found) = &out {
-            let mut taken = self
+            let taken = self
                 .taken(&trial, &grid.points(&lo, &hi).iter().map(|at| grid.values(at)).collect::<Vec<_>>());
-            let bounds = found.clauses.first().map(|c| [c.lower, c.upper]).unwrap_or_default();
-            taken.goers = goers.into_iter().map(|g| (g, bounds)).collect();
             self.taken.push(taken);
+            if let [clause] = found.clauses.as_slice() {
+                let [low, high] =
+                    [clause.lower, clause.upper].map(|v| alone.shrunk(self.plan, self.graph, v));
+                let most: Vec<f64> = low.iter().zip(&high).map(|(a, b)| a.max(*b)).collect();
+                self.ledger.take(&alone.sides, &most);
+            }
         }
         out
     }
 
-    /// The group with its way shortened so that enough is left of each wall between its ends and its openings, wherever the
-    /// groups taken so far take those.
-    fn within_walls(&self, group: &Group, goers: &[Goer]) -> Group {
+    /// The group with its way shortened so that enough is left of each wall between its joints and its openings, wherever
+    /// the groups taken so far take those.
+    fn within_walls(&self, group: &Group, alone: &Moves) -> Group {
         let mut out = group.clone();
-        let [clause] = out.clauses.as_mut_slice() else { return out };
-        for own in goers {
-            for (other, theirs) in self.taken.iter().flat_map(|t| &t.goers) {
-                let kept = own.kept_from([clause.lower, clause.upper], other, *theirs);
-                [clause.lower, clause.upper] = kept.map(|v| v + 0.0);
+        let ([clause], [_]) = (out.clauses.as_mut_slice(), alone.parameters.as_slice()) else { return out };
+        for bound in [&mut clause.lower, &mut clause.upper] {
+            let shrunk = alone.shrunk(self.plan, self.graph, *bound);
+            let share = self.ledger.share(&alone.sides, &shrunk);
+            if share < 1.0 {
+                // No −0: it would be told so.
+                *bound = (*bound * share * 1e3).trunc() / 1e3 + 0.0;
             }
         }
         out
@@ -332,7 +337,6 @@ impl<'a> Doorways<'a> {
         Taken {
             doors: trial.along.iter().copied().collect(),
             walls: trial.moves.walls.iter().copied().collect(),
-            goers: Vec::new(),
             pieces,
             hull,
         }

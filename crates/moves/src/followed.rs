@@ -19,9 +19,6 @@ pub(super) const JOINT_M: f64 = 0.02;
 /// Pieces whose direction differs by more than this sine from that of their wall are no sides of it.
 const SIDE_SIN: f64 = 0.02;
 
-/// What must remain of a wall between two joints, and between a joint and the next opening.
-pub(super) const REST_M: f64 = 0.1;
-
 /// An end that goes less far than this share of a shift stays.
 const STILL: f64 = 1e-6;
 
@@ -66,29 +63,6 @@ impl<'p> ByRecord<'p> {
     pub fn plugs(&self, record: usize) -> impl Iterator<Item = &'p Plug> {
         self.plugs.get(&record).into_iter().flatten().copied()
     }
-}
-
-/// How far walls that end at one that slides let it go along a direction and against it, metres.
-pub(super) fn room_beside(
-    plan: &Plan,
-    by_record: &ByRecord<'_>,
-    followers: &[Follower],
-    direction: DVec2,
-) -> [f64; 2] {
-    let mut out = [f64::INFINITY; 2];
-    for f in followers {
-        let inward = if f.end == 0 { f.along } else { -f.along };
-        let side = usize::from(inward.dot(direction) < 0.0);
-        for wall in by_record.walls(f.record) {
-            let rooms = rooms(plan, wall, f.along);
-            // Another wall may ask for the other half.
-            let half = rooms.whole.map(|r| (r - REST_M) / 2.0);
-            for room in [rooms.ends[f.end].map(|r| r - REST_M), half].into_iter().flatten() {
-                out[side] = out[side].min(room.max(0.0));
-            }
-        }
-    }
-    out
 }
 
 impl Follower {
@@ -216,37 +190,6 @@ impl Followed {
         let is_near = |p: &[i64; 2]| (0..2).all(|k| (self.box_um[0][k]..=self.box_um[1][k]).contains(&p[k]));
         corners.iter().copied().filter(is_near).any(|p| self.pieces.iter().any(|s| far(s, p) <= JOINT_M))
     }
-}
-
-/// How much room the ends of one outline have, metres.
-pub(super) struct Rooms {
-    /// From each end to the nearest corner that is of neither end, of the outline or of what stays of the body.
-    pub ends: [Option<f64>; 2],
-    /// From the first end to the second, where one outline has both.
-    pub whole: Option<f64>,
-}
-
-/// The room along a wall's axis in one of its outlines.
-pub(super) fn rooms(plan: &Plan, wall: &Wall, along: DVec2) -> Rooms {
-    let Editable::Wall { ends, free } = &wall.editable else {
-        return Rooms { ends: [None; 2], whole: None };
-    };
-    let place = |p: &DVec2| plan.frame.plan_from_file(*p).dot(along);
-    let places: Vec<f64> = control_points(&wall.shape).iter().map(place).collect();
-    let of = |list: &[u32]| -> Vec<f64> { list.iter().map(|c| places[*c as usize]).collect() };
-    let between: Vec<f64> = (0..places.len() as u32)
-        .filter(|c| ends.iter().all(|e| !e.contains(c)))
-        .map(|c| places[c as usize])
-        .collect();
-    let [first, second] = [of(&ends[0]), of(&ends[1])];
-    let gap = |low: &[f64], high: &[f64]| {
-        let top = low.iter().copied().reduce(f64::max)?;
-        Some(high.iter().copied().reduce(f64::min)? - top)
-    };
-    let seen = [gap(&first, &between), gap(&between, &second)];
-    let free_m = free.map(|way| way * plan.frame.metres_per_unit);
-    let ends = [0, 1].map(|k| Some(seen[k].unwrap_or(f64::INFINITY).min(free_m[k])));
-    Rooms { ends, whole: gap(&first, &second) }
 }
 
 /// The direction of a wall from its first end to its second: its longest piece that ends at one of them.

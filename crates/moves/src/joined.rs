@@ -6,14 +6,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::bars::Moving;
-use super::followed::{ByRecord, Followed, Follower, REST_M, direction_of, ends, records, rooms, worst};
+use super::followed::{ByRecord, Followed, Follower, direction_of, ends, records, worst};
 use super::mitre::Refusal;
+use super::remains::REST_M;
 use super::{Slid, with_points};
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Editable, RigidMotion, Shape};
 use enfilade_plan::Plan;
 use enfilade_plan::graph::{Graph, Handle};
-use enfilade_plan::markers::Clause;
 
 /// By record: how far both ends go along the wall's axis, metres.
 pub(super) type Lengths = BTreeMap<usize, [f64; 2]>;
@@ -105,8 +105,7 @@ impl Joined {
             }
         }
         out.followers.extend((0..moving.groups.len()).flat_map(|g| sides_of(plan, moving, g)));
-        let parted = || super::abutting::parted(plan, &by_record, &out.followers, moving);
-        match out.too_short(plan, moving).or_else(parted) {
+        match out.too_far(plan, moving) {
             Some(refusal) => Err(refusal),
             None => Ok(out),
         }
@@ -120,22 +119,6 @@ impl Joined {
     /// All control points of ends that follow.
     pub fn handles(&self) -> impl Iterator<Item = &Handle> {
         self.followers.iter().flat_map(|f| &f.handles)
-    }
-
-    /// What goes along walls by a shift that is one parameter's.
-    pub fn goers(&self, plan: &Plan, clause: &Clause) -> Vec<Goer> {
-        let Some(direction) = direction_of(clause.kind) else { return Vec::new() };
-        let goer = |f: &Follower| {
-            let slot = plan.slots.iter().find(|s| s.source.record == f.record);
-            Goer {
-                host: slot.map_or(f.record, |s| s.host),
-                corners: f.corners(plan).into_iter().map(|p| plan.frame.plan_from_um(p)).collect(),
-                along: f.along,
-                per_unit: f.way(direction * clause.si_per_unit),
-                is_side: slot.is_some(),
-            }
-        };
-        self.followers.iter().map(goer).collect()
     }
 
     /// What the ends of a wall and its openings do.
@@ -154,18 +137,15 @@ impl Joined {
         Along { ends: of(record), slid: slid.collect() }
     }
 
-    /// The last group of those that together leave too little of a wall.
-    fn too_short(&self, plan: &Plan, moving: Moving<'_>) -> Option<Refusal> {
-        for wall in plan.walls.iter().filter(|w| matches!(w.editable, Editable::Wall { .. })) {
+    /// The last group of those that together draw an end back behind a part of its wall's body that stays.
+    fn too_far(&self, plan: &Plan, moving: Moving<'_>) -> Option<Refusal> {
+        for wall in &plan.walls {
+            let Editable::Wall { free, .. } = &wall.editable else { continue };
+            let free_m = free.map(|way| way * plan.frame.metres_per_unit - REST_M * plan.human_scale);
             let mut inward = [0.0; 2];
             for f in self.followers.iter().filter(|f| f.record == wall.source.record) {
-                let rooms = rooms(plan, wall, f.along);
                 inward[f.end] += worst(f, moving);
-                let is_short =
-                    |room: Option<f64>, taken: f64| room.is_some_and(|r| taken > (r - REST_M).max(0.0));
-                let alone = is_short(rooms.ends[f.end], inward[f.end]);
-                let together = is_short(rooms.whole, inward[0] + inward[1]);
-                if inward[f.end] > 0.0 && (alone || together) {
+                if inward[f.end] > 0.0 && inward[f.end] > free_m[f.end].max(0.0) {
                     let why = format!(
                         "would leave less than {REST_M} m of the wall #{} between its joints and openings",
                         wall.source.record
@@ -191,41 +171,6 @@ fn sides_of(plan: &Plan, moving: Moving<'_>, group: usize) -> impl Iterator<Item
             normal: s.along,
         })
     })
-}
-
-/// A corner set that one parameter takes along a wall: an end of the wall, or a side of an opening in it.
-#[derive(Clone, Debug)]
-pub(super) struct Goer {
-    /// Record of the wall.
-    host: usize,
-    corners: Vec<DVec2>,
-    along: DVec2,
-    /// How far it goes along the wall for one unit of its parameter, metres.
-    per_unit: f64,
-    is_side: bool,
-}
-
-impl Goer {
-    /// Within what bounds its parameter keeps enough of the wall between it and another one, whose parameter has some
-    /// bounds of its own.
-    pub fn kept_from(&self, [lower, upper]: [f64; 2], other: &Self, theirs: [f64; 2]) -> [f64; 2] {
-        let places = |g: &Self| {
-            let of = g.corners.iter().map(|p| p.dot(self.along));
-            of.fold([f64::MAX, f64::MIN], |[l, h], v| [l.min(v), h.max(v)])
-        };
-        if self.host != other.host || !(self.is_side || other.is_side) {
-            return [lower, upper];
-        }
-        let ([low, high], [other_low, other_high]) = (places(self), places(other));
-        let is_before = other_low > high;
-        let (gap, toward) = if is_before { (other_low - high, 1.0) } else { (low - other_high, -1.0) };
-        let comes = -toward * other.per_unit * other.along.dot(self.along).signum();
-        let comes = theirs.map(|v| v * comes).into_iter().fold(0.0, f64::max);
-        let room = (gap - REST_M - comes).max(0.0);
-        let per_unit = self.per_unit * toward;
-        let within = |v: f64| if v * per_unit > room { room / per_unit } else { v };
-        [within(lower), within(upper)]
-    }
 }
 
 /// Records of walls that turn: their axes are no guide.

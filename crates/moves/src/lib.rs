@@ -23,7 +23,6 @@
 //! # Ok::<(), enfilade_report::Error>(())
 //! ```
 
-mod abutting;
 mod axial;
 mod bars;
 pub mod carried;
@@ -39,7 +38,7 @@ mod mitre;
 pub mod narrowed;
 mod neighbours;
 pub mod opened;
-mod partitions;
+mod remains;
 mod shortened;
 mod sides;
 pub mod sizes;
@@ -55,6 +54,7 @@ use glam::DVec2;
 use bars::Moving;
 use joined::Joined;
 use mitre::{Mitre, Refusal, Stuck};
+use remains::{Ledger, REST_M, Sides};
 use shortened::Holding;
 
 use enfilade_cad::drawing::place_in;
@@ -133,6 +133,8 @@ pub struct Moves {
     mitre: Mitre,
     /// The ends of walls that change their length with a wall they are joined to.
     joined: Joined,
+    /// The sides of walls that become longer or shorter.
+    sides: Sides,
 }
 
 /// A wall after its move.
@@ -268,7 +270,8 @@ impl Moves {
             out.start.insert(*w, points.into_iter().map(|p| plan.frame.plan_from_file(p)).collect());
         }
         out.walls = walls.into_iter().collect();
-        match (0..out.groups.len()).find_map(|g| out.broken(plan, graph, g)) {
+        out.sides = Sides::new(plan, axes, &out.handles().copied().collect());
+        match out.refused(plan, graph) {
             Some(refusal) => Err(refusal),
             None => Ok(out),
         }
@@ -280,12 +283,42 @@ impl Moves {
         own.chain(&self.mitre.followers).chain(self.joined.handles())
     }
 
-    /// Whether a joint breaks where all parameters of one group stand at a bound, in any combination.
-    fn broken(&self, plan: &Plan, graph: &Graph, group: usize) -> Option<Refusal> {
-        self.corners_of(group).find_map(|p| {
-            let placed = self.placed(plan, graph, &p);
-            self.mitre.trouble(&self.start, &placed.ends, &placed.at).map(|why| Refusal { group, why })
+    /// The first group that breaks a joint where all its parameters stand at a bound, in any combination, or leaves too
+    /// little of a side of a wall, all groups before it standing where they take most of that.
+    fn refused(&self, plan: &Plan, graph: &Graph) -> Option<Refusal> {
+        let mut taken = Ledger::default();
+        (0..self.groups.len()).find_map(|group| {
+            let mut most: Vec<f64> = Vec::new();
+            for p in self.corners_of(group) {
+                let placed = self.placed(plan, graph, &p);
+                if let Some(why) = self.mitre.trouble(&self.start, &placed.ends, &placed.at) {
+                    return Some(Refusal { group, why });
+                }
+                let shrunk = self.sides.shrunk(&placed.at);
+                most = shrunk
+                    .iter()
+                    .zip(most.iter().chain(std::iter::repeat(&0.0)))
+                    .map(|(a, b)| a.max(*b))
+                    .collect();
+            }
+            let side = taken.take(&self.sides, &most).filter(|_| self.only_shifts(group))?;
+            let wall = &plan.walls[side[0].0 as usize].source;
+            let name = wall.handle.as_ref().map_or_else(|| format!("#{}", wall.record), Clone::clone);
+            let why = format!(
+                "would leave less than {REST_M} m of the wall {name} between its joints and openings"
+            );
+            Some(Refusal { group, why })
         })
+    }
+
+    /// By how much each side of walls is shorter where the one parameter has a value.
+    fn shrunk(&self, plan: &Plan, graph: &Graph, value: f64) -> Vec<f64> {
+        self.sides.shrunk(&self.placed(plan, graph, &[value]).at)
+    }
+
+    /// Whether a group only shifts.
+    fn only_shifts(&self, group: usize) -> bool {
+        Moving { groups: &self.groups, parameters: &self.parameters }.only_shifts(&[group])
     }
 
     /// The places where all parameters of one group stand at a bound, in any combination.

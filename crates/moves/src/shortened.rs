@@ -48,7 +48,7 @@ pub(super) fn as_far_as_joints_hold(
         let at = refusal.group;
         let place = place_in(&plan.file, &held[at].marker.source);
         let name = held[at].marker.name.clone();
-        match shorter(known, &held[at]) {
+        match shorter(known, &held, at) {
             Some(clauses) => {
                 let now: Vec<String> = clauses.iter().map(|c| format!("`{c}`")).collect();
                 held[at].marker.clauses = clauses;
@@ -71,31 +71,38 @@ pub(super) fn as_far_as_joints_hold(
     }
 }
 
-/// The clauses of a group with both their ends as far out as its joints hold, all else as drawn; none where no way is left,
-/// or where it was shortened before.
-fn shorter((plan, graph, axes): (&Plan, &Graph, &AxisGraph), held: &Holding) -> Option<Vec<Clause>> {
-    let drawn = &held.marker.clauses;
-    let is_as_stated = drawn.iter().zip(&held.stated).all(|(c, s)| [c.lower, c.upper] == *s);
+/// The clauses of a group with both their ends as far out as its joints hold, all else as drawn, or where it holds alone,
+/// all others at their bounds; none where no way is left, or where it was shortened before.
+fn shorter(
+    (plan, graph, axes): (&Plan, &Graph, &AxisGraph),
+    held: &[Holding],
+    at: usize,
+) -> Option<Vec<Clause>> {
+    let drawn = &held[at].marker.clauses;
+    let is_as_stated = drawn.iter().zip(&held[at].stated).all(|(c, s)| [c.lower, c.upper] == *s);
     let is_from_still = drawn.iter().all(|c| (c.lower..=c.upper).contains(&c.kind.identity()));
     if !is_as_stated || !is_from_still {
         return None;
     }
-    let mut alone = [held.clone()];
-    let mut holds = |shares: [f64; 2]| {
-        alone[0].marker.clauses = drawn.iter().map(|c| shortened(c, shares)).collect();
-        Moves::mitred(plan, graph, axes, &alone).is_ok()
-    };
-    let mut shares = [0.0; 2];
-    for end in 0..2 {
-        let only = |share: f64| if end == 0 { [share, 0.0] } else { [shares[0], share] };
-        let (mut good, mut bad) = if holds(only(1.0)) { (1.0, 1.0) } else { (0.0, 1.0) };
-        for _ in 0..if good < bad { HALVINGS } else { 0 } {
-            let middle = f64::midpoint(good, bad);
-            *(if holds(only(middle)) { &mut good } else { &mut bad }) = middle;
+    let farthest = |mut tried: Vec<Holding>, at: usize| {
+        let mut holds = |shares: [f64; 2]| {
+            tried[at].marker.clauses = drawn.iter().map(|c| shortened(c, shares)).collect();
+            !Moves::mitred(plan, graph, axes, &tried).is_err_and(|refusal| refusal.group == at)
+        };
+        let mut shares = [0.0; 2];
+        for end in 0..2 {
+            let only = |share: f64| if end == 0 { [share, 0.0] } else { [shares[0], share] };
+            let (mut good, mut bad) = if holds(only(1.0)) { (1.0, 1.0) } else { (0.0, 1.0) };
+            for _ in 0..if good < bad { HALVINGS } else { 0 } {
+                let middle = f64::midpoint(good, bad);
+                *(if holds(only(middle)) { &mut good } else { &mut bad }) = middle;
+            }
+            shares[end] = good;
         }
-        shares[end] = good;
-    }
-    // Where it holds alone, it breaks together with another group.
+        shares
+    };
+    let alone = farthest(vec![held[at].clone()], 0);
+    let shares = if alone == [1.0; 2] { farthest(held.to_vec(), at) } else { alone };
     let is_some = shares.iter().any(|s| *s > LEAST_SHARE) && shares != [1.0; 2];
     is_some.then(|| drawn.iter().map(|c| shortened(c, shares)).collect())
 }

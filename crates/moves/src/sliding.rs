@@ -19,6 +19,8 @@ pub(super) struct Sliding {
     pub at: DVec2,
     /// Length of the wall or width of the door, metres of a person.
     pub size: f64,
+    /// A wall of it, an index into [`Plan::walls`], where it is a wall that slides.
+    pub wall: Option<u32>,
     /// The opening that slides with what fills it, where the file says so: its place in [`Plan::slots`].
     pub slot: Option<usize>,
 }
@@ -36,7 +38,7 @@ impl Sliding {
         };
         let [lower, upper] = self.way;
         let clause = Clause { kind, lower, upper, unit: "m".into(), si_per_unit: 1.0 };
-        let first = graph.handles[self.nodes[0] as usize][0].0;
+        let first = self.wall.unwrap_or(graph.handles[self.nodes[0] as usize][0].0);
         let source = self.slot.map_or(&plan.walls[first as usize].source, |s| &plan.slots[s].source).clone();
         (Group { name, outline: Region::Ring(Vec::new()), clauses: vec![clause], source }, self.nodes.clone())
     }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::followed::{REST_M, direction_of};
+use super::followed::direction_of;
+use super::remains::REST_M;
 use enfilade_cad::drawing::place_in;
 use enfilade_plan::Plan;
 use enfilade_plan::markers::{Clause, Group};

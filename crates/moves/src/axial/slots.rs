@@ -41,7 +41,7 @@ impl Axial<'_> {
             let way = if is_turned { [-way[1], -way[0]] } else { way };
             // No −0: it would be told so.
             let way = way.map(|v| v * scale + 0.0);
-            Sliding { nodes, direction, way, at: centre, size: width, slot: Some(index) }
+            Sliding { nodes, direction, way, at: centre, size: width, slot: Some(index), wall: None }
         })
     }
 
