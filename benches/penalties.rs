@@ -57,7 +57,7 @@ fn maze(corridors: u32) -> Vec<WallPiece> {
             });
             number as u32
         });
-        pieces.push(WallPiece { a, b, nodes, is_moving, solid: None, bar: None, body: None });
+        pieces.push(WallPiece { a, b, nodes, is_moving, solid: None, bar: None, body: None, half_m: 0.0 });
     };
     for row in 0..=corridors + 1 {
         let y = 2.5 * f64::from(row);

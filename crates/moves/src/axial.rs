@@ -456,7 +456,12 @@ impl<'a> Axial<'a> {
             }
             i
         };
-        let is_thick = |i: &u32| edges[*i as usize].bulge == 0.0 && edges[*i as usize].thickness_m > 0.0;
+        // A line by itself is a wall where all walls are.
+        let is_single = edges.iter().all(|e| e.thickness_m == 0.0);
+        let is_thick = |i: &u32| {
+            let edge = &edges[*i as usize];
+            edge.bulge == 0.0 && (is_single || edge.thickness_m > 0.0)
+        };
         let thick: Vec<Vec<u32>> =
             self.at_node.iter().map(|list| list.iter().copied().filter(is_thick).collect()).collect();
         let mut pairs: Vec<(Option<u32>, [u32; 2])> = Vec::new();

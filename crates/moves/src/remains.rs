@@ -89,12 +89,12 @@ impl Ledger {
     }
 }
 
-/// The sides of thick straight walls, from one corner on them to the next: where another wall ends at a side that is drawn
+/// The sides of straight walls, or the lines that draw them, from one corner on them to the next: where another wall ends at a side that is drawn
 /// past it, there too.
 fn parts(plan: &Plan, axes: &AxisGraph) -> BTreeSet<Side> {
     let mut out = BTreeSet::new();
     let ends = ends_on_sides(plan, axes);
-    for e in axes.edges.iter().filter(|e| e.thickness_m > 0.0 && e.bulge == 0.0) {
+    for e in axes.edges.iter().filter(|e| e.bulge == 0.0) {
         for f in e.left.iter().chain(&e.right) {
             let Ok([a, b]) = <Side>::try_from(face_handles(plan, *f)) else { continue };
             let from = handle_at(plan, a);
@@ -112,13 +112,15 @@ fn parts(plan: &Plan, axes: &AxisGraph) -> BTreeSet<Side> {
 /// The corners of walls that end at a drawn side between its own corners, by that side.
 fn ends_on_sides(plan: &Plan, axes: &AxisGraph) -> BTreeMap<FaceRef, BTreeSet<Handle>> {
     let mut at_node = vec![Vec::new(); axes.nodes.len()];
-    for e in axes.edges.iter().filter(|e| e.thickness_m > 0.0 && e.bulge == 0.0) {
+    for e in axes.edges.iter().filter(|e| e.bulge == 0.0) {
         e.nodes.iter().for_each(|n| at_node[*n as usize].push(e));
     }
     let mut out: BTreeMap<FaceRef, BTreeSet<Handle>> = BTreeMap::new();
     for (n, around) in (0u32..).zip(&at_node) {
         for (ending, through) in around.iter().flat_map(|e| around.iter().map(move |f| (*e, *f))) {
             let corners = corners_at(plan, axes, ending, n);
+            // A line drawn as wide as a wall is its axis: what ends at the wall stops half its width before.
+            let half_m = if through.left == through.right { through.thickness_m / 2.0 } else { 0.0 };
             for f in through.left.iter().chain(&through.right) {
                 let [Some(a), Some(b)] =
                     [0, 1].map(|k| face_handles(plan, *f).get(k).map(|h| handle_at(plan, *h)))
@@ -130,7 +132,7 @@ fn ends_on_sides(plan: &Plan, axes: &AxisGraph) -> BTreeMap<FaceRef, BTreeSet<Ha
                     let p = handle_at(plan, **h) - a;
                     let x = p.dot(along);
                     h.0 != f.0
-                        && along.perp_dot(p).abs() <= ERROR_GAP_M
+                        && along.perp_dot(p).abs() <= ERROR_GAP_M + half_m
                         && (ERROR_GAP_M..=a.distance(b) - ERROR_GAP_M).contains(&x)
                 };
                 let on: Vec<Handle> = corners.iter().filter(is_on).copied().collect();

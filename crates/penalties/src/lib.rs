@@ -10,7 +10,7 @@
 //!
 //! let wall = |end_m: f64| {
 //!     let [a, b] = [DVec2::ZERO, DVec2::new(end_m, 0.0)];
-//!     WallPiece { a, b, nodes: [0, 1], is_moving: true, solid: None, bar: None, body: None }
+//!     WallPiece { a, b, nodes: [0, 1], is_moving: true, solid: None, bar: None, body: None, half_m: 0.0 }
 //! };
 //! let drawn = [wall(4.0)];
 //! let penalty = WallLength::new(&Layout { pieces: &drawn });
@@ -61,6 +61,8 @@ pub struct WallPiece {
     pub bar: Option<u32>,
     /// On which side of the way from `a` to `b` the body of its wall lies; `None` where none is known: a single line.
     pub body: Option<BodySide>,
+    /// How far the wall reaches to either side of it, metres: half the width of a line drawn as wide as a wall, else 0.
+    pub half_m: f64,
 }
 
 /// A side of a piece, seen from its first end to its second.

@@ -28,7 +28,8 @@ impl Passage {
     pub fn new(initial: &Layout<'_>, width_m: f64, within: Option<Vec<Vec<DVec2>>>) -> Self {
         let pieces = initial.pieces;
         let (moving, fixed): (Vec<_>, Vec<_>) = (0..pieces.len()).partition(|&i| pieces[i].is_moving);
-        let boxes = fixed.iter().map(|&i| Aabb::of_segment(pieces[i].ends(), width_m)).collect();
+        let boxes =
+            fixed.iter().map(|&i| Aabb::of_segment(pieces[i].ends(), width_m + pieces[i].half_m)).collect();
         Self { width_m, within, initial: pieces.to_vec(), moving, fixed, fixed_grid: BoxGrid::new(boxes) }
     }
 
@@ -48,10 +49,11 @@ impl Passage {
 
     /// Calls `visit` with every two pieces between which a way may be too narrow, and by how much it is.
     fn for_each_pair(&self, now: &Layout<'_>, mut visit: impl FnMut([usize; 2], f64)) {
-        let boxes: Vec<Aabb> =
-            self.moving.iter().map(|&i| Aabb::of_segment(now.pieces[i].ends(), 0.0)).collect();
-        let wide: Vec<Aabb> =
-            self.moving.iter().map(|&i| Aabb::of_segment(now.pieces[i].ends(), self.width_m / 2.0)).collect();
+        let around = |far_m: f64| {
+            let of = |&i: &usize| Aabb::of_segment(now.pieces[i].ends(), far_m + now.pieces[i].half_m);
+            self.moving.iter().map(of).collect::<Vec<Aabb>>()
+        };
+        let (boxes, wide) = (around(0.0), around(self.width_m / 2.0));
         let mut missing = |i: usize, j: usize| visit([i, j], self.missing_m(now.pieces, i, j));
         for (k, aabb) in boxes.iter().enumerate() {
             self.fixed_grid.visit(aabb, |f| missing(self.moving[k], self.fixed[f]));
@@ -61,14 +63,16 @@ impl Passage {
 
     fn missing_m(&self, now: &[WallPiece], i: usize, j: usize) -> f64 {
         let (p, q) = (&now[i], &now[j]);
-        let Meeting::Apart(gap_m) = meeting(p.ends(), q.ends()) else { return 0.0 };
+        let halves_m = p.half_m + q.half_m;
+        let clear_m = |p: &WallPiece, q: &WallPiece| match meeting(p.ends(), q.ends()) {
+            Meeting::Apart(gap_m) if gap_m > halves_m + TOUCH_M => Some(gap_m - halves_m),
+            _ => None,
+        };
+        let Some(gap_m) = clear_m(p, q) else { return 0.0 };
         if p.nodes.iter().any(|n| q.nodes.contains(n)) || gap_m >= self.width_m || !are_open(p, q) {
             return 0.0;
         }
-        let was_m = match meeting(self.initial[i].ends(), self.initial[j].ends()) {
-            Meeting::Apart(was_m) => was_m,
-            _ => 0.0,
-        };
+        let was_m = clear_m(&self.initial[i], &self.initial[j]).unwrap_or(0.0);
         let missing_m = was_m.min(self.width_m) - gap_m;
         if missing_m > TOUCH_M && self.counts(p.ends(), q.ends()) && self.is_free(now, i, j) {
             missing_m
@@ -191,6 +195,7 @@ mod tests {
             solid: None,
             bar: None,
             body: None,
+            half_m: 0.0,
         }
     }
 

@@ -325,7 +325,16 @@ mod tests {
     use super::*;
 
     fn wall(a: [f64; 2], b: [f64; 2], is_moving: bool) -> WallPiece {
-        WallPiece { a: a.into(), b: b.into(), nodes: [0, 1], is_moving, solid: None, bar: None, body: None }
+        WallPiece {
+            a: a.into(),
+            b: b.into(),
+            nodes: [0, 1],
+            is_moving,
+            solid: None,
+            bar: None,
+            body: None,
+            half_m: 0.0,
+        }
     }
 
     fn around([x, y, u, v]: [f64; 4]) -> Vec<WallPiece> {

@@ -19,7 +19,16 @@ fn pieces(walls: &[([f64; 4], bool)]) -> Vec<WallPiece> {
     };
     let piece = |&([x0, y0, x1, y1], is_moving): &([f64; 4], bool)| {
         let (a, b) = (dvec2(x0, y0), dvec2(x1, y1));
-        WallPiece { a, b, nodes: [node(a), node(b)], is_moving, solid: None, bar: None, body: None }
+        WallPiece {
+            a,
+            b,
+            nodes: [node(a), node(b)],
+            is_moving,
+            solid: None,
+            bar: None,
+            body: None,
+            half_m: 0.0,
+        }
     };
     walls.iter().map(piece).collect()
 }
@@ -47,6 +56,7 @@ fn solids(rings: &[&[[f64; 2]]]) -> Vec<WallPiece> {
             solid: Some(k as u32),
             bar: None,
             body: None,
+            half_m: 0.0,
         }));
     }
     all

@@ -120,6 +120,8 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
         layers_used.into_iter().filter(|l| role_by_name(l).0 == roles::Role::Column).collect();
     for (w, wall) in plan.walls.iter().enumerate() {
         let mut faces = faces_of(&wall.shape, w as u32, place);
+        let width_m = wall.width_um as f64 / UM_PER_M / plan.human_scale;
+        faces.iter_mut().for_each(|f| f.width_m = width_m);
         if of_columns.contains(wall.source.layer.as_str()) {
             faces.iter_mut().for_each(|f| f.role = Role::Column);
         }
@@ -241,8 +243,14 @@ pub(super) fn faces_of(shape: &Shape, wall: u32, place: impl Fn(DVec2) -> DVec2)
     let meets = |first: &Path, last: &Path| first.ends()[0].distance(last.ends()[1]) <= CLOSED_M;
     let is_closed = matches!(shape, Shape::Circle { .. } | Shape::Polyline { closed: true, .. })
         || paths.len() > 2 && meets(&paths[0], &paths[paths.len() - 1]);
-    let face =
-        |(part, path): (usize, Path)| Face { wall, part: part as u32, path, role: Role::Wall, is_closed };
+    let face = |(part, path): (usize, Path)| Face {
+        wall,
+        part: part as u32,
+        path,
+        role: Role::Wall,
+        is_closed,
+        width_m: 0.0,
+    };
     paths.into_iter().enumerate().map(face).collect()
 }
 

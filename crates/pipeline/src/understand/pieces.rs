@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::understand::understood::Understood;
 use enfilade_cad::drawing::Shape;
-use enfilade_engine::geometry::Segment;
+use enfilade_engine::geometry::{Segment, UM_PER_M};
 use enfilade_moves::Layout;
 use enfilade_penalties::{BodySide, WallPiece};
 use enfilade_plan::body_sides::body_sides;
@@ -42,7 +42,8 @@ impl Pieces {
                 let bar = bars.get(&(w as u32, part)).copied();
                 let is_left = sides.get(&(w as u32, part));
                 let body = is_left.map(|left| if *left { BodySide::Left } else { BodySide::Right });
-                out.drawn.push(WallPiece { a, b, nodes: [nodes[i], nodes[j]], is_moving, solid, bar, body });
+                let (nodes, half_m) = ([nodes[i], nodes[j]], wall.width_um as f64 / UM_PER_M / 2.0);
+                out.drawn.push(WallPiece { a, b, nodes, is_moving, solid, bar, body, half_m });
                 out.walls.push(w as u32);
             }
             if let Some(i) = moving {

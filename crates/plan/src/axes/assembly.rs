@@ -48,7 +48,7 @@ pub fn axes(drawn: &Drawn, paired: Paired, out: &mut AxisGraph) -> Axes {
     let mut axes = if is_single_lines { Vec::new() } else { strip_axes(&paired) };
     let (mut spares, mut stood_in_rows) = (Vec::new(), Vec::new());
     for r in 0..paired.runs.len() {
-        single_axes(&paired, r, is_single_lines, &mut axes, &mut spares, &mut stood_in_rows);
+        single_axes((drawn, &paired), r, is_single_lines, &mut axes, &mut spares, &mut stood_in_rows);
     }
     let mut axes = rows(axes);
     take_panes(&mut axes, &mut spares);
@@ -95,7 +95,7 @@ fn faces_of(run: &Run, span: Span) -> Vec<u32> {
 
 /// What of a run no strip uses becomes an axis of its own, or a spare line.
 fn single_axes(
-    paired: &Paired,
+    (drawn, paired): (&Drawn, &Paired),
     r: usize,
     is_single_lines: bool,
     axes: &mut Vec<Axis>,
@@ -128,7 +128,8 @@ fn single_axes(
         axes.push(Axis {
             carrier: run.carrier,
             span,
-            thickness: 0.0,
+            // A line drawn as wide as a wall is its axis.
+            thickness: faces.iter().map(|f| drawn.faces[*f as usize].width_m).fold(0.0, f64::max),
             role: run.role,
             sides: [faces.clone(), faces],
             inner: Vec::new(),

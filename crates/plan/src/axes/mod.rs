@@ -139,6 +139,8 @@ pub struct Face {
     /// Whether it belongs to a closed shape: a circle, a closed polyline, also one that is closed only by
     /// its last vertex lying on its first.
     pub is_closed: bool,
+    /// Width with which it is drawn, where that is a wall's thickness, metres of a person; 0 of a line.
+    pub width_m: f64,
 }
 
 /// A drawn entity that is no wall but may tell about one: a door leaf, a swing, a window line.

@@ -10,6 +10,7 @@ pub fn lines(all: &[[f64; 4]]) -> Drawn {
         path: Path::Line { a: DVec2::new(l[0], l[1]), b: DVec2::new(l[2], l[3]) },
         role: Role::Wall,
         is_closed: false,
+        width_m: 0.0,
     };
     Drawn { faces: all.iter().enumerate().map(face).collect(), marks: Vec::new() }
 }
@@ -374,6 +375,7 @@ fn through_boxes(depth: f64) -> (bool, f64) {
             path: Path::Line { a: corners[part], b: corners[(part + 1) % 4] },
             role: Role::Wall,
             is_closed: true,
+            width_m: 0.0,
         };
         (0..4).map(side)
     };

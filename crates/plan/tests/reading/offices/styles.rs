@@ -134,6 +134,7 @@ pub fn drawn(drawing: &Drawing, office: &Office) -> Drawn {
                 path,
                 role: if at == 0 { Role::Wall } else { Role::Column },
                 is_closed,
+                width_m: 0.0,
             }));
             wall += 1;
         } else {
