@@ -305,6 +305,8 @@ pub struct Called {
     pub words: String,
     /// The lower left and the upper right corner of its box, drawing units.
     pub extent: [DVec2; 2],
+    /// Where it stands in the file, if it is furniture that can be moved.
+    pub source: Option<SourceRef>,
 }
 
 /// What a file states of moves that the plan read of it cannot use.

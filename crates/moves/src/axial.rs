@@ -11,6 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
+use super::doorways::CLEAR_MIN_M;
 use super::followed::along;
 use super::mitre::CROSSING_MIN_RAD;
 use super::neighbours::{Neighbours, Piece};
@@ -57,6 +58,9 @@ const BESIDE_M: f64 = 0.06;
 
 /// The end of a wall stands at a column that is no farther away than this, beyond half the wall's thickness.
 const AT_COLUMN_M: f64 = 0.05;
+
+/// No furniture at a wall is deeper.
+const FURNITURE_MAX_M: f64 = 2.5;
 
 /// What lies this far between a wall's faces stands in it.
 const IN_WALL_M: f64 = 0.005;
@@ -385,6 +389,7 @@ impl<'a> Axial<'a> {
         if !self.keep_off_things(chain, &own.handles, &mut free) {
             return Err(Stays::Occupied);
         }
+        self.keep_furniture_off(chain, (&nodes, &own.handles), &mut free);
         let ways = [stretch, free, joint, beside, ends, [-PARTITION_SLIDE_M, PARTITION_SLIDE_M]];
         let [lo, hi] = ways.into_iter().fold([f64::MIN, f64::MAX], |[l, h], w| [l.max(w[0]), h.min(w[1])]);
         let whole_cm = |way: f64| (way.max(0.0) * 1e2 + 1e-6).floor() / 1e2;
@@ -852,6 +857,53 @@ impl<'a> Axial<'a> {
             }
         }
         true
+    }
+
+    /// Bounds a way by what stands before the furniture that goes along: other walls as far as a way, things, and the space
+    /// before doors.
+    fn keep_furniture_off(
+        &self,
+        chain: &Chain,
+        (nodes, moving): (&[u32], &BTreeSet<Handle>),
+        way: &mut [f64; 2],
+    ) {
+        let far = chain.thickness / 2.0 + PARTITION_SLIDE_M + FURNITURE_MAX_M + PASSAGE_M;
+        let corners = [(chain.from, -far), (chain.to, -far), (chain.from, far), (chain.to, far)];
+        let Some(around) = box_of(corners.into_iter().map(|(x, y)| chain.world(x, y))) else { return };
+        let local = |[a, b]: [DVec2; 2]| [chain.local(a), chain.local(b)];
+        let (along, still): (Vec<_>, Vec<_>) =
+            self.things.near(around).partition(|t| self.things.goes_along(t, moving));
+        let furniture = along.into_iter().filter(|t| self.things.is_furniture(t));
+        let boxes: Vec<[DVec2; 2]> =
+            furniture.filter_map(|t| box_of(t.pieces.iter().flat_map(|p| local(*p)))).collect();
+        if boxes.is_empty() {
+            return;
+        }
+        let is_own = |p: &&Piece| p.nodes.iter().any(|n| nodes.binary_search(n).is_ok());
+        let walls = self.neighbours.near(around[0], around[1]).into_iter().map(|i| &self.pieces[i as usize]);
+        let walls = walls.filter(|p| !is_own(p)).map(|p| ([p.a, p.b], PASSAGE_M));
+        let things = still.iter().flat_map(|t| &t.pieces).map(|p| (*p, AT_WALL_M));
+        let doors = (0u32..).zip(&self.axes.openings).filter(|(_, o)| o.kind != OpeningKind::Window);
+        let others = doors.filter(|(i, _)| !chain.openings.contains(i));
+        let before = others.flat_map(|(_, o)| {
+            let [a, b] = o.jambs.map(|j| j.at);
+            let deep =
+                (b - a).normalize_or_zero().perp() * (o.thickness_m / 2.0 + o.width_m.max(CLEAR_MIN_M));
+            let ring = [a + deep, b + deep, b - deep, a - deep];
+            (0..4).map(move |k| ([ring[k], ring[(k + 1) % 4]], 0.0))
+        });
+        for (piece, clear) in walls.chain(things).chain(before) {
+            for [lo, hi] in &boxes {
+                let [a, b] = local(piece);
+                let Some([near, far]) = clipped(a, b, lo.x + BESIDE_M, hi.x - BESIDE_M) else { continue };
+                // What is narrow already may not become narrower.
+                if near >= hi.y - BESIDE_M {
+                    way[1] = way[1].min((near - hi.y - clear).max(0.0));
+                } else if far <= lo.y + BESIDE_M {
+                    way[0] = way[0].max(-(lo.y - far - clear).max(0.0));
+                }
+            }
+        }
     }
 }
 

@@ -1,11 +1,11 @@
-//! Doors and windows go with the walls they sit in.
+//! Doors and windows go with the walls they sit in, furniture with those that it stands at.
 
 use glam::DVec2;
 
 use super::{Layout, MovedWall, moved_shape, rigid_shape};
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Editable, RigidMotion, Shape};
-use enfilade_plan::fittings::Fitting;
+use enfilade_plan::fittings::{Fitting, FittingKind};
 use enfilade_plan::graph::Handle;
 use enfilade_plan::{Plan, Wall};
 
@@ -35,13 +35,16 @@ pub fn carried(plan: &Plan, fitting: &Fitting, layout: &Layout) -> Carried {
     if let Some(host) = fitting.host {
         return with_host(plan, fitting, layout, host);
     }
+    if let FittingKind::Furniture(sides) = &fitting.kind {
+        return with_sides(plan, fitting, layout, sides);
+    }
     let handles: Vec<Handle> = fitting.jambs.concat();
     let (before, after): (Vec<DVec2>, Vec<DVec2>) = handles.iter().map(|h| places(plan, layout, *h)).unzip();
     if before.iter().zip(&after).all(|(p, q)| p.distance(*q) < STILL_M) {
         return Carried::Stays;
     }
     let Some(motion) = motion_of(&before, &after, ASKEW_M * plan.human_scale) else {
-        if fitting.is_loose {
+        if fitting.kind == FittingKind::Loose {
             return Carried::Stays;
         }
         return Carried::Stale("the two sides of its opening move apart".into());
@@ -77,6 +80,31 @@ fn with_host(plan: &Plan, fitting: &Fitting, layout: &Layout, host: u32) -> Carr
         (None, _) => Carried::Stays,
         (Some(_), Editable::No(why)) => Carried::Stale(why.clone()),
         (Some(motion), _) => Carried::Moves(moved_shape(plan, &fitting.shape, &motion), motion),
+    }
+}
+
+/// Furniture goes where the sides of walls go that it stands at: turned with one, shifted with those of a corner. Where a
+/// side only grows longer, or two turn, it stays.
+fn with_sides(plan: &Plan, fitting: &Fitting, layout: &Layout, sides: &[[Handle; 2]]) -> Carried {
+    let askew = ASKEW_M * plan.human_scale;
+    let mut shift = DVec2::ZERO;
+    for side in sides {
+        let (before, after): (Vec<DVec2>, Vec<DVec2>) = side.iter().map(|h| places(plan, layout, *h)).unzip();
+        let Some(motion) = motion_of(&before, &after, askew) else { continue };
+        if motion.turn_rad != 0.0 {
+            let may_turn = fitting.editable != Editable::WithInsert { turnable: false };
+            return match rigid_shape(plan, &fitting.shape, &motion) {
+                (shape, Some(motion)) if sides.len() == 1 && may_turn => Carried::Moves(shape, motion),
+                _ => Carried::Stays,
+            };
+        }
+        // Another side of the same wall, or of one in line with it, says the same again.
+        let across = (before[1] - before[0]).normalize_or_zero().perp();
+        shift += across * (motion.shift - shift).dot(across);
+    }
+    match rigid_shape(plan, &fitting.shape, &RigidMotion { turn_rad: 0.0, shift }) {
+        (shape, Some(motion)) if shift.length() > STILL_M => Carried::Moves(shape, motion),
+        _ => Carried::Stays,
     }
 }
 

@@ -1,15 +1,17 @@
 //! What stands in rooms and is struck by walls that a layout moves: stairs, fixtures, furniture.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use glam::DVec2;
 
+use super::carried::{Carried, carried};
 use super::{Layout, MovedWall, Moves};
 use enfilade_cad::plane::distance_to_segment;
 use enfilade_engine::geometry::{PointUm, Segment, Side, UM_PER_M, side_of_ring};
 use enfilade_plan::Plan;
-use enfilade_plan::curve::Trace;
-use enfilade_plan::fittings::Fitting;
+use enfilade_plan::curve::{Trace, trace as trace_of};
+use enfilade_plan::fittings::{Fitting, FittingKind};
 use enfilade_plan::obstacles::{Obstacle, ObstacleKind};
 
 /// Nothing moves farther by default, metres of a person: what is beyond is not looked at.
@@ -30,44 +32,102 @@ struct Near {
     drawn: usize,
 }
 
-/// The things that moving walls could strike.
+/// Furniture that may go along with a wall.
+#[derive(Clone, Debug)]
+struct Carriable {
+    fitting: Fitting,
+    /// Its box as drawn.
+    outline: Trace,
+    /// What it could run into: the pieces of walls and things, the walls with their indices, and how often it runs through
+    /// each as drawn.
+    beside: Vec<(Option<u32>, Vec<Segment>, usize)>,
+}
+
+/// The things that moving walls could strike, and what goes along with them.
 #[derive(Clone, Debug, Default)]
-pub struct Struck(Vec<Near>);
+pub struct Struck {
+    near: Vec<Near>,
+    carriable: Vec<Carriable>,
+}
 
 impl Struck {
-    /// Those near walls that may move; what goes with doors and walls strikes nothing.
+    /// Those near walls that may move; what goes with doors and walls strikes nothing, but furniture does.
     pub fn new(plan: &Plan, moves: &Moves, fittings: &[Fitting]) -> Self {
+        let is_furniture = |f: &&Fitting| matches!(f.kind, FittingKind::Furniture(_));
         let fitted: BTreeSet<usize> = fittings.iter().map(|f| f.source.record).collect();
         let things = plan.obstacles.iter();
         let things = things.filter(|o| o.kind != ObstacleKind::Door && !fitted.contains(&o.record));
         let boxed = |o: &'_ Obstacle| box_of(o.pieces.iter().flat_map(|s| [s.a, s.b]));
         let things: Vec<_> = things.filter_map(|o| Some((o, boxed(o)?))).collect();
         let reach = (REACH_M * plan.human_scale * UM_PER_M) as i64;
-        let mut out = Vec::new();
+        let is_near = |own: [PointUm; 2], at: [PointUm; 2]| {
+            (0..2).all(|k| own[0][k] - reach <= at[1][k] && at[0][k] - reach <= own[1][k])
+        };
+        let mut near = Vec::new();
         for wall in &moves.walls {
             let trace = &plan.walls[*wall as usize].trace;
             let Some(own) = box_of(trace.points.iter().copied()) else { continue };
-            for (thing, at) in &things {
-                let is_near = |k: usize| own[0][k] - reach <= at[1][k] && at[0][k] - reach <= own[1][k];
-                if (0..2).all(is_near) {
-                    let (record, pieces) = (thing.record, thing.pieces.clone());
-                    let drawn = through(trace, &pieces);
-                    out.push(Near { wall: *wall, record, pieces, drawn });
-                }
+            for (thing, _) in things.iter().filter(|t| is_near(own, t.1)) {
+                let (record, pieces) = (thing.record, thing.pieces.clone());
+                let drawn = through(trace, &pieces);
+                near.push(Near { wall: *wall, record, pieces, drawn });
             }
         }
-        Self(out)
+        let pieces_of = |t: &Trace| t.segments().map(|s| s.2).collect::<Vec<Segment>>();
+        let handles: BTreeSet<_> = moves.handles().copied().collect();
+        let may_go = |f: &&Fitting| match &f.kind {
+            FittingKind::Furniture(sides) => sides.iter().flatten().any(|h| handles.contains(h)),
+            FittingKind::Part | FittingKind::Loose => false,
+        };
+        let carriable = fittings.iter().filter(may_go).filter_map(|f| {
+            let outline = trace_of(&f.shape, &plan.frame);
+            let own = box_of(outline.points.iter().copied())?;
+            let walls = (0u32..).zip(&plan.walls).map(|(w, wall)| (Some(w), pieces_of(&wall.trace)));
+            let others = things.iter().map(|(thing, _)| (None, thing.pieces.clone()));
+            let furniture = fittings.iter().filter(is_furniture).filter(|o| o.source != f.source);
+            let furniture = furniture.map(|o| (None, pieces_of(&trace_of(&o.shape, &plan.frame))));
+            let all = walls.chain(others).chain(furniture);
+            let here = all.filter(|(_, pieces)| {
+                box_of(pieces.iter().flat_map(|s| [s.a, s.b])).is_some_and(|at| is_near(own, at))
+            });
+            let beside = here.map(|(wall, pieces)| {
+                let drawn = through(&outline, &pieces);
+                (wall, pieces, drawn)
+            });
+            Some(Carriable { fitting: f.clone(), beside: beside.collect(), outline })
+        });
+        Self { near, carriable: carriable.collect() }
     }
 
-    /// The things that a layout strikes, by record.
-    pub fn by(&self, layout: &Layout) -> BTreeSet<usize> {
+    /// The things that a layout strikes, by record; furniture that goes along and runs into something counts as struck.
+    pub fn by(&self, plan: &Plan, layout: &Layout) -> BTreeSet<usize> {
         let moved = layout.walls.iter().filter(|w| w.is_changed);
         let of = |w: u32| {
-            let from = self.0.partition_point(|n| n.wall < w);
-            self.0[from..].iter().take_while(move |n| n.wall == w)
+            let from = self.near.partition_point(|n| n.wall < w);
+            self.near[from..].iter().take_while(move |n| n.wall == w)
         };
         let strikes = |m: &&MovedWall, n: &&Near| through(&m.trace, &n.pieces) > n.drawn;
-        moved.flat_map(|m| of(m.wall).filter(move |n| strikes(&m, n)).map(|n| n.record)).collect()
+        let by_walls = moved.flat_map(|m| of(m.wall).filter(move |n| strikes(&m, n)).map(|n| n.record));
+        let carried = self.carriable.iter().filter(|c| c.strikes(plan, layout));
+        by_walls.chain(carried.map(|c| c.fitting.source.record)).collect()
+    }
+}
+
+impl Carriable {
+    /// Whether it runs into something where a layout has it, or a wall into it.
+    fn strikes(&self, plan: &Plan, layout: &Layout) -> bool {
+        let outline = match carried(plan, &self.fitting, layout) {
+            Carried::Moves(shape, _) => Cow::Owned(trace_of(&shape, &plan.frame)),
+            Carried::Stays | Carried::Stale(_) => Cow::Borrowed(&self.outline),
+        };
+        let is_still = matches!(outline, Cow::Borrowed(_));
+        self.beside.iter().any(|(wall, pieces, drawn)| {
+            let moved = wall.and_then(|w| layout.walls.iter().find(|m| m.wall == w && m.is_changed));
+            match moved {
+                Some(m) => through(&outline, &m.trace.segments().map(|s| s.2).collect::<Vec<_>>()) > *drawn,
+                None => !is_still && through(&outline, pieces) > *drawn,
+            }
+        })
     }
 }
 

@@ -8,7 +8,7 @@ use super::sliding::clipped;
 use enfilade_cad::plane::{box_of, distance_to_segment};
 use enfilade_plan::Plan;
 use enfilade_plan::axes::Opening;
-use enfilade_plan::fittings::{Fitting, reach_m};
+use enfilade_plan::fittings::{Fitting, FittingKind, reach_m};
 use enfilade_plan::graph::Handle;
 use enfilade_plan::obstacles::{BEFORE_DOOR_M, ObstacleKind};
 
@@ -70,13 +70,23 @@ impl<'a> Things<'a> {
 
     /// Whether a thing is part of any door or window.
     pub fn is_fitted(&self, thing: &Thing) -> bool {
-        self.fitted.contains_key(&thing.record)
+        self.fitted.contains_key(&thing.record) && !self.is_furniture(thing)
     }
 
-    /// Whether a thing is part of a door or window of which a jamb is among some control points.
+    /// Whether a thing is part of a door or window of which a jamb is among some control points, or stands at a side of a
+    /// wall that is.
     pub fn goes_along(&self, thing: &Thing, moving: &BTreeSet<Handle>) -> bool {
-        let mut jambs = self.fitted.get(&thing.record).into_iter().flatten().flat_map(|f| &f.jambs);
-        jambs.any(|jamb| jamb.iter().any(|h| moving.contains(h)))
+        let mut fitted = self.fitted.get(&thing.record).into_iter().flatten();
+        fitted.any(|f| match &f.kind {
+            FittingKind::Furniture(sides) => sides.iter().any(|s| s.iter().all(|h| moving.contains(h))),
+            _ => f.jambs.iter().flatten().any(|h| moving.contains(h)),
+        })
+    }
+
+    /// Whether a thing is furniture at a wall.
+    pub fn is_furniture(&self, thing: &Thing) -> bool {
+        let fitted = self.fitted.get(&thing.record);
+        fitted.is_some_and(|all| all.iter().any(|f| matches!(f.kind, FittingKind::Furniture(_))))
     }
 
     /// Whether something is drawn in an opening that would not go along with it: a leaf in its pocket, a frame, a

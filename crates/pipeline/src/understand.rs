@@ -30,6 +30,7 @@ use enfilade_cad::units::unit_by_name;
 use enfilade_config::{Level, Settings};
 use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_engine::interior::Interior;
+use enfilade_plan::at_walls::furniture_at_walls;
 use enfilade_plan::axes::{AxisGraph, Opening};
 use enfilade_plan::curve::{Trace, trace};
 use enfilade_plan::graph::Graph;
@@ -104,7 +105,9 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         sight.closed.extend(structure::glass_lines(&plan, drawing, &axes));
     }
     sight.close(|wall| building::closes(&plan.walls[wall as usize]));
-    let fittings = fittings::fittings(&plan, drawing, &axes, &marked);
+    let mut fittings = fittings::fittings(&plan, drawing, &axes, &marked);
+    let labels = labels::labels(&plan, drawing, &fittings);
+    fittings.extend(furniture_at_walls(&plan, drawing, &axes));
     let all = faces(&plan);
     let (mut closings, mut infill) = (Vec::new(), Vec::new());
     if !as_drawn {
@@ -134,7 +137,6 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let (moves, groups) = moves(drawing, &known, settings, report)?;
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
-    let labels = labels::labels(&plan, drawing, &fittings);
     let entities = sensed::entities_of_walls(&plan, drawing);
     let (things, spaces) =
         (enfilade_plan::kinds::find_things(drawing, &plan), building::named_spaces(drawing, &plan));

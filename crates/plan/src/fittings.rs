@@ -1,4 +1,5 @@
-//! Doors and windows as drawn: which entities sit in which opening, so that they move with its wall.
+//! Doors and windows as drawn: which entities sit in which opening, so that they move with its wall; and what else goes with
+//! walls.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -15,7 +16,7 @@ use enfilade_cad::drawing::{Drawing, Editable, Entity, Shape, SourceRef};
 use enfilade_cad::roles::Role;
 use enfilade_engine::geometry::PointUm;
 
-/// One drawn part of a door or window.
+/// One drawn part of a door or window, or something else that goes with a wall.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fitting {
     /// Where it stands in the file.
@@ -30,9 +31,20 @@ pub struct Fitting {
     /// The wall that it sits in, where the file says so, or on whose line it is drawn once more: an index into
     /// [`Plan::walls`]. It goes where that goes.
     pub host: Option<u32>,
-    /// Whether it lies in a plain passage and no name says that it is a door or window: a joint of the floor, a
-    /// threshold. Where the sides of the passage part, it stays.
-    pub is_loose: bool,
+    /// What it is.
+    pub kind: FittingKind,
+}
+
+/// What goes along with walls.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FittingKind {
+    /// A part of a door or window, or a line drawn once more on a wall's.
+    Part,
+    /// It lies in a plain passage and no name says that it is a door or window: a joint of the floor, a threshold. Where
+    /// the sides of the passage part, it stays.
+    Loose,
+    /// Furniture at such sides of walls. It goes where any of them goes as a whole.
+    Furniture(Vec<[Handle; 2]>),
 }
 
 /// A door's or window's parts lie no farther from its middle than this share of its width, and this many metres besides:
@@ -86,7 +98,8 @@ pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usiz
                 let e = &drawing.entities[i];
                 let is_loose = opening.kind == OpeningKind::Passage
                     && !matches!(plan.reading.role(i), Role::Door | Role::Window | Role::Glazing);
-                out.entry(i).or_insert_with(|| Fitting { is_loose, ..fitting(e, &jambs) });
+                let kind = if is_loose { FittingKind::Loose } else { FittingKind::Part };
+                out.entry(i).or_insert_with(|| Fitting { kind, ..fitting(e, &jambs) });
             }
         }
     }
@@ -117,7 +130,7 @@ fn fitting(e: &Entity, jambs: &[Vec<Handle>; 2]) -> Fitting {
         shape: e.shape.clone(),
         jambs: jambs.clone(),
         host: None,
-        is_loose: false,
+        kind: FittingKind::Part,
     }
 }
 

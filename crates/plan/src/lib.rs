@@ -27,6 +27,7 @@
 
 pub mod allowed;
 pub mod asked;
+pub mod at_walls;
 pub mod axes;
 pub mod body_sides;
 pub mod by_place;

@@ -162,7 +162,7 @@ fn called(scene: &File<'_>, bodies: &[Body<'_>], [low, high]: [f64; 2]) -> Vec<C
         let name = b.shown.names(scene).rev().find(|n| !n.is_empty())?;
         let class = if b.layer.starts_with("Ifc") { b.layer.as_str() } else { "" };
         let points = b.triangles.iter().flatten().map(|p| p.truncate());
-        Some(Called { words: format!("{name} {class}"), extent: crate::plane::box_of(points)? })
+        Some(Called { words: format!("{name} {class}"), extent: crate::plane::box_of(points)?, source: None })
     };
     bodies.iter().filter(is_here).filter_map(one).collect()
 }

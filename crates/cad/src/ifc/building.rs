@@ -8,7 +8,7 @@ use super::geo::Geo;
 use super::model::{Model, Product};
 use super::step::{Arg, Step};
 use super::units::Units;
-use crate::drawing::Unit;
+use crate::drawing::{SourceRef, Unit};
 use enfilade_report::Place;
 
 /// A file ready to be cut.
@@ -42,6 +42,17 @@ impl<'s, 'a> Building<'s, 'a> {
     pub fn place(&self, p: &Product) -> Place {
         let line = self.step.get(p.id).map(|i| self.step.line(i.span.start));
         Place { file: self.file.into(), line, entity: format!("#{} {} {}", p.id, p.class, p.global_id) }
+    }
+
+    /// Where a product stands in the file, as of a layer.
+    pub fn source(&self, p: &Product, layer: &str) -> SourceRef {
+        SourceRef {
+            record: p.id as usize,
+            handle: Some(p.global_id.clone()).filter(|g| !g.is_empty()),
+            line: self.step.get(p.id).map_or(0, |i| self.step.line(i.span.start)),
+            kind: p.class.into(),
+            layer: layer.into(),
+        }
     }
 }
 

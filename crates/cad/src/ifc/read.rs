@@ -23,8 +23,7 @@ use super::step::Step;
 use super::units::units;
 use super::{CUT_EYE_M, ReadOptions, Sight};
 use crate::drawing::{
-    Drawing, Editable, Entity, Format, IdleMarks, Layer, MarkedMove, Shape, Slot, SourceRef, Text, Unit,
-    Vertex,
+    Drawing, Editable, Entity, Format, IdleMarks, Layer, MarkedMove, Shape, Slot, Text, Unit, Vertex,
 };
 use crate::own_layers::DEMOLISHED;
 use crate::phase::Phase;
@@ -608,7 +607,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         let SpaceNames { names, zones: of_zones } = self.b.space_names(p);
         for (layer, names) in [("IfcSpace", names), (ZONE_LAYER, of_zones)] {
             if layer == "IfcSpace" || !names.is_empty() {
-                let (source, text) = (self.source(p, layer), names.join("\n"));
+                let (source, text) = (self.b.source(p, layer), names.join("\n"));
                 self.texts.push(Text { source, layer: layer.into(), at: lo.midpoint(hi), text });
             }
         }
@@ -623,19 +622,8 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         }
     }
 
-    fn source(&self, p: &Product, layer: &str) -> SourceRef {
-        let line = self.b.step.get(p.id).map_or(0, |i| self.b.step.line(i.span.start));
-        SourceRef {
-            record: p.id as usize,
-            handle: Some(p.global_id.clone()).filter(|g| !g.is_empty()),
-            line,
-            kind: p.class.into(),
-            layer: layer.into(),
-        }
-    }
-
     fn emit(&mut self, p: &Product, layer: &str, region: &Region) {
-        let source = self.source(p, layer);
+        let source = self.b.source(p, layer);
         let mut editable = self.editable(p);
         if super::marks::Use::of(p.class) == super::marks::Use::Moves {
             let marks = self.b.model.marks(self.b.step, p.id);

@@ -98,8 +98,7 @@ fn materials(b: &Building<'_, '_>, id: u64, depth: u32, names: &mut Vec<String>)
 /// What stands on the floor below the cut and stops no sight: furniture, stairs, lifts, fixtures, by outlines at a few
 /// heights. `between`: the heights of floor and cut, file units.
 pub(super) fn things(b: &Building<'_, '_>, between: [f64; 2]) -> Vec<(usize, Vec<DVec2>)> {
-    let is_thing =
-        |p: &&Product| ["IfcFurn", "IfcSystemFurn", "IfcStair"].iter().any(|c| p.class.starts_with(c));
+    let is_thing = |p: &&Product| is_furniture(p.class) || p.class.starts_with("IfcStair");
     let mut all: Vec<Product> = b.model.products.iter().filter(is_thing).cloned().collect();
     for (keyword, class) in FIXTURES {
         all.extend(b.step.all(keyword).map(|i| product(b.step, i.id, class)));
@@ -110,6 +109,10 @@ pub(super) fn things(b: &Building<'_, '_>, between: [f64; 2]) -> Vec<(usize, Vec
         slices.into_iter().flat_map(Footprint::into_rings).map(|r| (p.id as usize, r)).collect::<Vec<_>>()
     };
     all.par_iter().flat_map_iter(one).collect()
+}
+
+fn is_furniture(class: &str) -> bool {
+    ["IfcFurn", "IfcSystemFurn"].iter().any(|c| class.starts_with(c))
 }
 
 /// What the file calls the things on a floor, each with the box of its outlines.
@@ -128,7 +131,9 @@ pub(super) fn called(b: &Building<'_, '_>, things: &[(usize, Vec<DVec2>)]) -> Ve
         let id = record as u64;
         let said = [Some(id), types.get(&id).copied()].into_iter().flatten();
         let words: Vec<String> = said.flat_map(|id| said_of(b, id)).collect();
-        Called { words: words.join(" "), extent }
+        let furniture = b.model.products.iter().find(|p| p.id == id && is_furniture(p.class));
+        let source = furniture.map(|p| b.source(p, p.class));
+        Called { words: words.join(" "), extent, source }
     };
     boxes.into_iter().map(of).collect()
 }

@@ -118,7 +118,7 @@ impl Guards {
         Faults {
             opened_m: self.joints.as_ref().map_or(0.0, |j| j.opened_m(&base.plan, layout)),
             narrowed_m: if narrowed_m > NARROWER_M { narrowed_m } else { 0.0 },
-            struck: self.things.as_ref().map_or(0, |t| t.by(layout).len()),
+            struck: self.things.as_ref().map_or(0, |t| t.by(&base.plan, layout).len()),
         }
     }
 }
@@ -149,7 +149,7 @@ impl Guards {
         let opened = self.joints.as_ref().map_or_else(Vec::new, |j| j.opened(&base.plan, layout));
         let crossing = crossings.map_or_else(Vec::new, |o| o.pairs_m(&now));
         let narrow = self.narrow.as_ref().map_or_else(Vec::new, |n| n.pairs_m(&now));
-        let struck = self.things.as_ref().map(|t| t.by(layout)).unwrap_or_default();
+        let struck = self.things.as_ref().map(|t| t.by(&base.plan, layout)).unwrap_or_default();
         let mut out: Vec<Fault> = opened.into_iter().filter(joined).map(Fault::Opened).collect();
         out.extend(pairs(crossing, CROSSING_FREE_M).map(Fault::Crossing));
         out.extend(pairs(narrow, NARROWER_M).map(Fault::Narrow));

@@ -7,6 +7,7 @@ use crate::write::made::Made;
 use enfilade_cad::drawing::{SourceRef, place_in};
 use enfilade_moves::Layout;
 use enfilade_moves::carried::{Carried, carried};
+use enfilade_plan::fittings::FittingKind;
 use enfilade_report::Report;
 
 /// Names the texts at doors and windows that go with their wall: nobody can tell whether a text is the door's.
@@ -53,7 +54,8 @@ pub(crate) fn say_stale(report: &mut Report, file: &str, found: &[SourceRef]) {
 pub(crate) fn goes_along_words(base: &Understood, made: &Made) -> String {
     // A door that slides was told as such.
     let follows = |record: usize| !made.layout.slides(&base.plan, record);
-    let goes = base.fittings.iter().filter(|f| follows(f.source.record));
+    let parts = base.fittings.iter().filter(|f| !matches!(f.kind, FittingKind::Furniture(_)));
+    let goes = parts.filter(|f| follows(f.source.record));
     let goes = goes.filter(|f| matches!(carried(&base.plan, f, &made.layout), Carried::Moves(..)));
     let mut records: BTreeMap<usize, &str> =
         goes.map(|f| (f.source.record, f.source.layer.as_str())).collect();
@@ -76,6 +78,17 @@ pub(crate) fn goes_along_words(base: &Understood, made: &Made) -> String {
         0 => String::new(),
         1 => format!(" One part of a door or window moves with its wall ({on})."),
         n => format!(" {n} parts of doors and windows move with their walls ({on})."),
+    }
+}
+
+/// The furniture that goes along with the walls of an option; empty for none.
+pub(crate) fn furniture_words(base: &Understood, layout: &Layout) -> String {
+    let furniture = base.fittings.iter().filter(|f| matches!(f.kind, FittingKind::Furniture(_)));
+    let goes = furniture.filter(|f| matches!(carried(&base.plan, f, layout), Carried::Moves(..))).count();
+    match goes {
+        0 => String::new(),
+        1 => " One piece of furniture moves with the wall that it stands at.".into(),
+        n => format!(" {n} pieces of furniture move with the walls that they stand at."),
     }
 }
 

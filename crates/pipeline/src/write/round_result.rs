@@ -115,6 +115,7 @@ pub(crate) fn candidate(round: &Round<'_>, moves: &[MoveEntry], initial: &Number
                 explanation,
             ),
         } + &along::goes_along_words(&study.base, made)
+            + &along::furniture_words(&study.base, &made.layout)
             + &along::unseen_words(made)
             + &leaving::leaving_words(&study.base.plan, &made.layout)
             + &doors::narrowed_words(&study.base, &made.layout)

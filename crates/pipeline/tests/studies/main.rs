@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
 
+mod alike;
 mod brief;
 mod building;
 mod buildings;

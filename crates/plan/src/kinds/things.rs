@@ -8,7 +8,7 @@ use glam::DVec2;
 use super::super::Plan;
 use super::super::hidden::Hidden;
 use enfilade_cad::curve::control_points;
-use enfilade_cad::drawing::Drawing;
+use enfilade_cad::drawing::{Drawing, Editable, SourceRef};
 use enfilade_cad::names::bare;
 use enfilade_cad::names::{is_joined, words};
 use enfilade_cad::own_layers::is_own;
@@ -51,12 +51,22 @@ pub enum ThingKind {
     Chair,
     /// A blackboard.
     Board,
+    /// A shelf, a sideboard, a chest of drawers: it tells nothing of its room.
+    Shelf,
     /// A car.
     Car,
     /// A flight of stairs.
     Stair,
     /// A lift.
     Lift,
+}
+
+impl ThingKind {
+    /// Whether it can stand elsewhere in its room: no water, no hearth, nothing of the building.
+    pub fn is_furniture(self) -> bool {
+        use ThingKind::{Bed, Board, Chair, Desk, Shelf, Sofa, Table, Wardrobe};
+        matches!(self, Bed | Board | Chair | Desk | Shelf | Sofa | Table | Wardrobe)
+    }
 }
 
 /// Words of names, in the order of their say: `sofa bed` is a sofa, `desk chair` a chair. `_` joins words that follow one
@@ -126,6 +136,11 @@ const WORDS: &[(ThingKind, &str)] = &[
     (
         ThingKind::Table,
         "table tables dining esstisch tisch *tisch tavolo tavoli mesa mesas tafels eettafel stol stoly стол stul masa 餐桌 桌 テーブル 식탁",
+    ),
+    (
+        ThingKind::Shelf,
+        "sideboard shelf shelves shelving bookcase bookcases bookshelf bookshelves dresser locker lockers filing_cabinet filecabinet regal regale *regal bucherregal kommode anrichte aktenschrank etagere etageres \
+         bibliotheque buffet libreria scaffale credenza estante estanteria aparador cajonera boekenkast dressoir regal_na_ksiazki komoda полка стеллаж комод regal_knihovna kitaplik 书架 书柜 棚 本棚 책장",
     ),
     (
         ThingKind::Car,
@@ -211,8 +226,16 @@ pub(super) fn kind_of_thing(name: &str) -> Option<ThingKind> {
     PATTERNS.iter().find(is_here).map(|p| p.0)
 }
 
-/// The boxes of what INSERTs show, by the records that show them, drawing units.
-type Boxes = BTreeMap<Vec<usize>, (ThingKind, [DVec2; 2])>;
+/// Something found, by its box in drawing units.
+struct Found {
+    kind: ThingKind,
+    extent: [DVec2; 2],
+    /// Where it stands in the file and how it is written back, if it is drawn as one.
+    whole: Option<(SourceRef, Editable)>,
+}
+
+/// What INSERTs show, by the records that show it.
+type Boxes = BTreeMap<Vec<usize>, Found>;
 
 /// Pieces drawn without a block that lie no farther from one another are of one thing, metres of a person.
 const BESIDE_M: f64 = 0.1;
@@ -222,6 +245,20 @@ const LOOSE_MAX: usize = 1_500;
 
 /// What stands in the rooms of a plan, by names of blocks and layers, and by what the file calls it.
 pub fn find(drawing: &Drawing, plan: &Plan) -> Vec<Thing> {
+    found(drawing, plan).iter().filter_map(|f| thing(plan, f)).collect()
+}
+
+/// Furniture that the file has as one and that can stand elsewhere: what it is, where it stands in the file, and how it is
+/// written back.
+pub fn furniture(drawing: &Drawing, plan: &Plan) -> Vec<(Thing, SourceRef, Editable)> {
+    let of = |f: &Found| {
+        let (source, editable) = f.whole.clone().filter(|_| f.kind.is_furniture())?;
+        Some((thing(plan, f)?, source, editable))
+    };
+    found(drawing, plan).iter().filter_map(of).collect()
+}
+
+fn found(drawing: &Drawing, plan: &Plan) -> Vec<Found> {
     let hidden = Hidden::new(drawing);
     let mut kinds: HashMap<&str, Option<ThingKind>> = HashMap::new();
     let mut blocks = Boxes::new();
@@ -234,8 +271,11 @@ pub fn find(drawing: &Drawing, plan: &Plan) -> Vec<Thing> {
         let mut kind_of = |name| *kinds.entry(name).or_insert_with(|| kind_of_thing(name));
         let shown = e.blocks.iter().enumerate().find_map(|(k, b)| Some((k, kind_of(b.as_str())?)));
         if let Some((k, kind)) = shown.filter(|(k, _)| e.origin.inserts.len() > *k) {
-            let of = blocks.entry(e.origin.inserts[..=k].to_vec()).or_insert((kind, extent));
-            of.1 = [of.1[0].min(extent[0]), of.1[1].max(extent[1])];
+            // What the outermost INSERT shows moves with it.
+            let whole = (k == 0 && e.editable.moves_whole()).then(|| (e.source.clone(), e.editable.clone()));
+            let new = || Found { kind, extent, whole };
+            let of = blocks.entry(e.origin.inserts[..=k].to_vec()).or_insert_with(new);
+            of.extent = [of.extent[0].min(extent[0]), of.extent[1].max(extent[1])];
             continue;
         }
         let is_stair = plan.reading.role(i) == Role::Stair;
@@ -243,12 +283,15 @@ pub fn find(drawing: &Drawing, plan: &Plan) -> Vec<Thing> {
         kind.iter().for_each(|kind| loose.entry(*kind).or_default().push(extent));
     }
     let metres = plan.frame.metres_per_unit / plan.human_scale;
-    let loose = loose
-        .into_iter()
-        .flat_map(|(kind, pieces)| joined(pieces, BESIDE_M / metres).into_iter().map(move |b| (kind, b)));
-    let called = drawing.called.iter().filter_map(|c| Some((kind_of_thing(&c.words)?, c.extent)));
-    let all = blocks.into_values().chain(called).chain(loose);
-    all.filter_map(|(kind, extent)| thing(plan, kind, extent)).collect()
+    let loose = loose.into_iter().flat_map(|(kind, pieces)| {
+        let boxes = joined(pieces, BESIDE_M / metres).into_iter();
+        boxes.map(move |extent| Found { kind, extent, whole: None })
+    });
+    let called = drawing.called.iter().filter_map(|c| {
+        let whole = c.source.clone().map(|source| (source, Editable::WithInsert { turnable: true }));
+        Some(Found { kind: kind_of_thing(&c.words)?, extent: c.extent, whole })
+    });
+    blocks.into_values().chain(called).chain(loose).collect()
 }
 
 /// Boxes that lie no farther than `near` from one another as one.
@@ -268,7 +311,7 @@ fn joined(mut pieces: Vec<[DVec2; 2]>, near: f64) -> Vec<[DVec2; 2]> {
     pieces
 }
 
-fn thing(plan: &Plan, kind: ThingKind, extent: [DVec2; 2]) -> Option<Thing> {
+fn thing(plan: &Plan, &Found { kind, extent, .. }: &Found) -> Option<Thing> {
     let longer_m = (extent[1] - extent[0]).max_element() * plan.frame.metres_per_unit / plan.human_scale;
     let is_thing = (SHORTEST_M..=LONGEST_M).contains(&longer_m);
     is_thing.then_some(Thing { kind, extent: extent.map(|p| plan.frame.um_from_file(p)) })

@@ -98,9 +98,9 @@ impl<'b> Reader<'b, '_, '_> {
             free = [0, 1].map(|k| free[k].min(beside.free[k]));
         }
         Some(Slot {
-            source: self.source(&product(self.b.step, opening, "IfcOpeningElement"), closing.layer),
+            source: self.b.source(&product(self.b.step, opening, "IfcOpeningElement"), closing.layer),
             host: wall.id as usize,
-            closing: self.source(closing.of, closing.layer),
+            closing: self.b.source(closing.of, closing.layer),
             outline,
             jambs,
             along,
