@@ -56,3 +56,57 @@ pub(crate) fn tied(
     let held: HashSet<usize> = walls.chain(base.fittings.iter().map(|f| f.source.record)).collect();
     enfilade_cad::tied(input.file(), &input.bytes, &read::read_options(settings), edits, &held)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::understand::understood;
+    use enfilade_config::{Partial, Settings};
+    use enfilade_plan::fittings::FittingKind;
+    use enfilade_plan::kinds::furniture;
+    use enfilade_report::Report;
+
+    /// Furniture stands in the written file where its wall took it, to the micrometre; all other furniture where it stood.
+    #[test]
+    fn furniture_is_written_where_its_wall_took_it() {
+        for name in ["flat.dxf", "flat.ifc"] {
+            let bytes = std::fs::read(enfilade_fixtures::sample(name)).unwrap();
+            let settings = Settings::new(Partial::default()).unwrap();
+            let mut report = Report::default();
+            let drawing = read::drawing(name, &bytes, &settings, &mut report).unwrap();
+            let base = understood(&drawing, &settings, &mut report).unwrap();
+            let mut went = 0;
+            for (i, [lower, upper]) in base.moves.bounds().into_iter().enumerate() {
+                let mut p = base.moves.identity();
+                p[i] = if upper > -lower { upper } else { lower };
+                let layout = base.moves.apply(&base.plan, &base.graph, &p);
+                let options = read::read_options(&settings);
+                let now =
+                    enfilade_cad::patch(name, &bytes, &options, &edits_of(&base, &layout), &[]).unwrap();
+                let again = read::drawing(name, &now, &settings, &mut Report::default()).unwrap();
+                let places = |d| {
+                    let all = furniture(d, &base.plan).into_iter();
+                    all.map(|(thing, source, _)| (source.handle, thing.extent)).collect::<Vec<_>>()
+                };
+                for ((handle, was), (other, is)) in places(&drawing).into_iter().zip(places(&again)) {
+                    assert_eq!(handle, other, "{name}");
+                    let own = base
+                        .fittings
+                        .iter()
+                        .find(|f| f.source.handle == handle && matches!(f.kind, FittingKind::Furniture(_)));
+                    let shift = match own.map(|f| carried(&base.plan, f, &layout)) {
+                        Some(Carried::Moves(_, motion)) => motion.shift * base.plan.frame.metres_per_unit,
+                        _ => glam::DVec2::ZERO,
+                    };
+                    went += usize::from(shift.length() > 0.1);
+                    let off = |k: usize, c: usize| (is[k][c] - was[k][c]) as f64 - shift[c] * 1e6;
+                    assert!(
+                        [0, 1].iter().all(|k| off(*k, 0).abs() < 2.0 && off(*k, 1).abs() < 2.0),
+                        "{name} {handle:?}"
+                    );
+                }
+            }
+            assert!(went > 0, "{name}");
+        }
+    }
+}
