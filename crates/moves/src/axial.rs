@@ -254,8 +254,9 @@ impl<'a> Axial<'a> {
         if own.handles.iter().any(|h| self.plan.walls[h.0 as usize].editable != Editable::Free) {
             return None;
         }
-        let along = self.along_stretched(&nodes, along);
-        let [lo, hi] = self.stretch(&nodes, along, &BTreeSet::new())?;
+        let taken = self.taken(&own, &nodes);
+        let along = self.along_stretched(&taken, along);
+        let [lo, hi] = self.stretch(&taken, along, &BTreeSet::new())?;
         let behind = |e: &Edge| self.length(e) - REST_M - self.joint_half(e);
         let lo = lo.max(-behind(first)).max(room[0]).min(0.0);
         let hi = hi.min(behind(second)).min(room[1]).max(0.0);
@@ -341,7 +342,8 @@ impl<'a> Axial<'a> {
         }
         let beside = self.take_doors_beside(chain, &mut own.handles).ok_or(Stays::Occupied)?;
         let nodes = self.nodes(&own).ok_or(Stays::Unwritable)?;
-        if self.stretches_carrying(&nodes) {
+        let taken = self.taken(&own, &nodes);
+        if self.stretches_carrying(&taken) {
             return Err(Stays::Thick);
         }
         if self.tears_a_door(chain, &nodes) {
@@ -350,8 +352,8 @@ impl<'a> Axial<'a> {
         if self.along_with(chain).any(|o| self.things.tears(o)) {
             return Err(Stays::Torn);
         }
-        let direction = self.along_stretched(&nodes, direction);
-        let stretch = self.stretch(&nodes, direction, &oblique).ok_or(Stays::Joined)?;
+        let direction = self.along_stretched(&taken, direction);
+        let stretch = self.stretch(&taken, direction, &oblique).ok_or(Stays::Joined)?;
         let ends = self.ends_way(&own, direction);
         let mut free = self.free_way(chain, &nodes, &oblique).ok_or(Stays::Occupied)?;
         if !self.keep_off_things(chain, &own.handles, &mut free) {
@@ -379,10 +381,10 @@ impl<'a> Axial<'a> {
     }
 
     /// Whether a wall that carries would grow longer or shorter: both its sides are stretched.
-    fn stretches_carrying(&self, nodes: &[u32]) -> bool {
+    fn stretches_carrying(&self, taken: &BTreeSet<Handle>) -> bool {
         let is_stretched = |faces: &[FaceRef]| {
             faces.iter().any(|f| match face_handles(self.plan, *f)[..] {
-                [a, b] => self.has(nodes, a) != self.has(nodes, b),
+                [a, b] => taken.contains(&a) != taken.contains(&b),
                 _ => false,
             })
         };

@@ -238,9 +238,9 @@ fn free_standing_walls_and_doors_move_by_default() {
     let (_, _, moves) = by_default(&d);
     let names: Vec<String> =
         moves.parameters.iter().map(|p| format!("{} {}", p.group_name, p.clause.kind.name())).collect();
-    assert_eq!(names, ["element-1 x", "element-1 y", "element-1 rotate", "door-1 y"]);
+    assert_eq!(names, ["element-1 x", "element-1 y", "element-1 rotate", "wall-1 x", "door-1 y"]);
     assert_eq!(moves.bounds()[0], [-SHIFT_M, SHIFT_M]);
-    assert_eq!(moves.bounds()[3], [-SLIDE_M, SLIDE_M]);
+    assert_eq!(moves.bounds()[4], [-SLIDE_M, SLIDE_M]);
     assert_eq!(moves.groups[0].handles.len(), 4, "both faces of the wall move together");
 }
 
@@ -250,7 +250,11 @@ fn the_shell_and_rooms_stay_by_default() {
     d.room(20.0, 10.0);
     d.ring("WALLS", &[[5.0, 3.0], [9.0, 3.0], [9.0, 7.0], [5.0, 7.0]]);
     d.line(0.0, 8.0, 3.0, 8.0);
-    assert!(by_default(&d).2.parameters.is_empty());
+    let (plan, _, moves) = by_default(&d);
+    let names: Vec<&str> = moves.parameters.iter().map(|p| p.group_name.as_str()).collect();
+    assert!(names.iter().all(|n| n.starts_with("wall-")), "a room is no element: {names:?}");
+    let is_shell = |w: &u32| plan.walls[*w as usize].trace.points.contains(&[0, 0]);
+    assert!(!moves.walls.iter().any(is_shell), "{names:?}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::chain::{Chain, Own};
 use super::{Axial, BESIDE_M, PARALLEL_SIN, REST_M};
-use enfilade_cad::drawing::{Editable, Shape};
+use enfilade_cad::drawing::{Editable, Format, Shape};
 use enfilade_plan::fittings::jambs_of;
 use enfilade_plan::graph::Handle;
 use enfilade_plan::structure::{end_handles, face_handles, handle_at};
@@ -77,21 +77,35 @@ impl<'a> Axial<'a> {
     }
 
     /// The graph's nodes of what moves, if all that meets in them can be written: point by point, whole, or as an end that
-    /// goes along its wall.
+    /// goes along its wall. What merely shares a corner of a building stays.
     pub(super) fn nodes(&self, own: &Own) -> Option<Vec<u32>> {
         let node = |(w, c): &Handle| self.graph.control_nodes[*w as usize][*c as usize];
         let nodes: BTreeSet<u32> = own.handles.iter().map(node).collect();
         let mut met = nodes.iter().flat_map(|n| &self.graph.handles[*n as usize]);
-        let is_writable = met.all(|(w, c)| {
-            let wall = &self.plan.walls[*w as usize];
-            match &wall.editable {
-                Editable::Free => !matches!(wall.shape, Shape::Arc { .. }),
-                Editable::No(_) => false,
-                _ if own.records.contains(&wall.source.record) => true,
-                Editable::Wall { ends, .. } => ends.iter().any(|end| end.contains(c)),
-                Editable::WithInsert { .. } => false,
-            }
+        let is_building = self.plan.format != Format::Dxf;
+        let is_writable = met.all(|h| {
+            let wall = &self.plan.walls[h.0 as usize];
+            let is_arc = wall.editable == Editable::Free && matches!(wall.shape, Shape::Arc { .. });
+            !is_arc && (self.goes(own, *h) || is_building && wall.editable.moves_whole())
         });
         (is_writable && !nodes.is_empty()).then(|| nodes.into_iter().collect())
+    }
+
+    /// The corners at some nodes that go along with what moves.
+    pub(super) fn taken(&self, own: &Own, nodes: &[u32]) -> BTreeSet<Handle> {
+        let all = nodes.iter().flat_map(|n| &self.graph.handles[*n as usize]).copied();
+        all.filter(|h| self.goes(own, *h)).collect()
+    }
+
+    /// Whether a corner goes along with what moves.
+    fn goes(&self, own: &Own, (w, c): Handle) -> bool {
+        let wall = &self.plan.walls[w as usize];
+        match &wall.editable {
+            Editable::Free => true,
+            Editable::No(_) => false,
+            _ if own.records.contains(&wall.source.record) => true,
+            Editable::Wall { ends, .. } => ends.iter().any(|end| end.contains(&c)),
+            Editable::WithInsert { .. } => false,
+        }
     }
 }

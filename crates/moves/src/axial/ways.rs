@@ -96,16 +96,16 @@ impl<'a> Axial<'a> {
     /// `None` where a piece would turn that is none of the `oblique` ones, which keep their line.
     pub(super) fn stretch(
         &self,
-        nodes: &[u32],
+        taken: &BTreeSet<Handle>,
         direction: DVec2,
         oblique: &BTreeSet<FaceRef>,
     ) -> Option<[f64; 2]> {
         let mut way = [f64::MIN, f64::MAX];
-        for w in self.walls_at(nodes) {
+        for w in walls_of(taken) {
             let shape = &self.plan.walls[w as usize].shape;
             for (c, n) in self.pieces(w) {
                 let ends = [c, (c + 1) % n];
-                let moves = ends.map(|c| self.has(nodes, (w, c)));
+                let moves = ends.map(|c| taken.contains(&(w, c)));
                 if moves[0] == moves[1] {
                     continue;
                 }
@@ -127,12 +127,12 @@ impl<'a> Axial<'a> {
 
     /// The direction in which the pieces run that a shift of nodes stretches, near `direction`: a joint that slides
     /// along them leaves no bend in them, however askew they were drawn.
-    pub(super) fn along_stretched(&self, nodes: &[u32], direction: DVec2) -> DVec2 {
+    pub(super) fn along_stretched(&self, taken: &BTreeSet<Handle>, direction: DVec2) -> DVec2 {
         let mut sum = DVec2::ZERO;
-        for w in self.walls_at(nodes) {
+        for w in walls_of(taken) {
             for (c, n) in self.pieces(w) {
                 let ends = [c, (c + 1) % n];
-                let [first, second] = ends.map(|c| self.has(nodes, (w, c)));
+                let [first, second] = ends.map(|c| taken.contains(&(w, c)));
                 let [a, b] = ends.map(|c| handle_at(self.plan, (w, c)));
                 let sine = (b - a).normalize_or_zero().perp_dot(direction);
                 if first != second && sine.abs() <= PARALLEL_SIN {
@@ -142,14 +142,6 @@ impl<'a> Axial<'a> {
         }
         let mean = sum.try_normalize().unwrap_or(direction);
         if mean.perp_dot(direction).abs() < SAME_SIN { direction } else { mean }
-    }
-
-    pub(super) fn walls_at(&self, nodes: &[u32]) -> BTreeSet<u32> {
-        nodes.iter().flat_map(|n| &self.graph.handles[*n as usize]).map(|h| h.0).collect()
-    }
-
-    pub(super) fn has(&self, nodes: &[u32], (w, c): Handle) -> bool {
-        nodes.binary_search(&self.graph.control_nodes[w as usize][c as usize]).is_ok()
     }
 
     /// The pieces of a wall: first control point of each, and the number of control points.
@@ -302,4 +294,9 @@ impl<'a> Axial<'a> {
             }
         }
     }
+}
+
+/// The walls of some control points.
+fn walls_of(taken: &BTreeSet<Handle>) -> BTreeSet<u32> {
+    taken.iter().map(|h| h.0).collect()
 }
