@@ -21,7 +21,7 @@ use super::sizes::{DOOR_WIDTH_M, PARTITION_SLIDE_M, PARTITION_THICKNESS_MAX_M, S
 use super::sliding::{Sliding, upright, whole_mm};
 use super::things::Things;
 use chain::{Chain, Own, walls_by_record};
-use enfilade_cad::drawing::Editable;
+use enfilade_cad::drawing::{Editable, Format};
 use enfilade_cad::plane::distance_to_segment;
 use enfilade_engine::interior::Interior;
 use enfilade_plan::Plan;
@@ -349,7 +349,9 @@ impl<'a> Axial<'a> {
         if self.tears_a_door(chain, &nodes) {
             return Err(Stays::Joined);
         }
-        if self.along_with(chain).any(|o| self.things.tears(o)) {
+        // Of a building the file says what sits in a wall.
+        let is_drawn = self.plan.format == Format::Dxf;
+        if is_drawn && self.along_with(chain).any(|o| self.things.tears(o)) {
             return Err(Stays::Torn);
         }
         let direction = self.along_stretched(&taken, direction);
