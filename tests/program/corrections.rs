@@ -44,7 +44,7 @@ fn studied(text: &str, toml: &str) -> Result<Study, Error> {
 }
 
 fn study(text: &str, corrections: &str) -> Study {
-    studied(text, &format!("[reading]\n{corrections}\n")).unwrap()
+    studied(text, &format!("only-marked = true\n[reading]\n{corrections}\n")).unwrap()
 }
 
 fn walls(study: &Study) -> String {
