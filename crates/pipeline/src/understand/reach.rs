@@ -27,6 +27,10 @@ const HALVINGS: usize = 8;
 /// A way ends at whole thousandths of its unit, if that is a metre, a foot, a degree or a factor.
 const PARTS: f64 = 1e3;
 
+/// A shift that ends before this is none: so far a joint may open, or a wall reach into another, and still hold. Metres of a
+/// person.
+const TOLERATED_M: f64 = 0.025;
+
 /// Other parameters of a group that are tried at their bounds beside one.
 const BESIDE: usize = 2;
 
@@ -134,7 +138,12 @@ impl Walk<'_> {
                 (bad, wrong) = (middle, found);
             }
         }
-        Some((still + ((good - still) * PARTS).trunc() / PARTS + 0.0, wrong))
+        let is_way = match clause.kind {
+            Kind::Rotate(_) | Kind::Scale(_) => true,
+            _ => (good - still).abs() * clause.si_per_unit > TOLERATED_M * self.base.plan.human_scale,
+        };
+        let way = if is_way { ((good - still) * PARTS).trunc() / PARTS } else { 0.0 };
+        Some((still + way + 0.0, wrong))
     }
 
     /// What is wrong with one parameter at a value, the others as drawn, or of its own group at a bound: the least of it.
