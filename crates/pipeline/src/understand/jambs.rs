@@ -116,7 +116,7 @@ mod tests {
             ("dxf/ensal.dxf", 12, ""),
             ("ifc/ac11_institute_var2.ifc", 0, ""),
             ("ifc/duplex_a.ifc", 9, "end earlier (door-2, door-"),
-            ("ifc/archilogic_fl39.ifc", 13, "1 default move stays (door-2), so"),
+            ("ifc/archilogic_fl39.ifc", 13, "1 default move ends earlier (wall-7), 1 stays (door-2), so"),
             ("dxf/gama_house_librecad.dxf", 7, ""),
         ];
         for (name, parameters, says) in drawings {
