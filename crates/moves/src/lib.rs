@@ -643,8 +643,13 @@ fn refusal(plan: &Plan, graph: &Graph, group: &Group, w: u32, handles: &BTreeSet
         Editable::WithInsert { .. } | Editable::Wall { .. } => {
             let same = |v: &u32| plan.walls[*v as usize].source.record == wall.source.record;
             if !(0..plan.walls.len() as u32).filter(same).all(all_in) {
-                // A building's neighbours share corners; nobody drew a box round a part of them.
-                if plan.format != Format::Dxf {
+                // A building's neighbours share corners; nobody drew a box round a part of them. An end follows by itself.
+                let is_end = |c: u32| match &wall.editable {
+                    Editable::Wall { ends, .. } => ends.iter().any(|end| end.contains(&c)),
+                    _ => false,
+                };
+                let is_at_end = handles.iter().filter(|h| h.0 == w).all(|h| is_end(h.1));
+                if plan.format != Format::Dxf || is_at_end {
                     return Some(String::new());
                 }
                 let what = whole_of(plan, wall);

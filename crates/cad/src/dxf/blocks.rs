@@ -13,7 +13,8 @@ use super::reader::Reader;
 use super::sheet::{How, Sheet, encloses, is_regular, pieces};
 use super::showing::{Bound, Showing};
 use crate::curve::control_points;
-use crate::drawing::{Editable, Entity, Text};
+use crate::drawing::{Editable, Entity, Shape, Text};
+use crate::roles::{Role, role_by_name};
 use enfilade_report::{Error, Severity};
 
 /// Flags (70) of a block that is nobody's own to change: anonymous, or of an external file.
@@ -336,6 +337,22 @@ impl Blocks {
         })
     }
 
+    /// Whether a block draws straight walls and nothing else, by the names of layers; on layer 0 by that of its INSERT.
+    fn draws_a_wall(&self, reader: &Reader<'_, '_>, block: usize, of_insert: u32) -> bool {
+        let name = |layer: u32| reader.layers.list[layer as usize].name.as_str();
+        let is_wall = |item: &Item| {
+            let layer = if name(item.layer) == "0" { name(of_insert) } else { name(item.layer) };
+            let is_straight = match &item.body {
+                Body::Shape(Shape::Polyline { vertices, .. }, _) => vertices.iter().all(|v| v.bulge == 0.0),
+                Body::Shape(shape, _) => matches!(shape, Shape::Line { .. }),
+                _ => false,
+            };
+            is_straight && role_by_name(layer).0 == Role::Wall
+        };
+        let items = &self.list[block].items;
+        !items.is_empty() && items.iter().all(is_wall)
+    }
+
     /// How what an INSERT shows is written back; the INSERT stands in a place that is shown once, by `outer`.
     fn how<'i>(
         &mut self,
@@ -361,7 +378,8 @@ impl Blocks {
         let is_frozen = reader.layers.list[item.layer as usize].is_frozen;
         let is_clipped = self.clips.contains_key(&item.record);
         let is_whole = copies(insert) > 1 || !own.is_plain || is_frozen || is_clipped || !is_regular(&map);
-        if is_whole || self.sheet.is_thing(&ring, pieces) {
+        let is_wall = own.inserts == 1 && self.draws_a_wall(reader, block, item.layer);
+        if is_whole || self.sheet.is_away(&ring) || self.sheet.is_small(&ring, pieces) && !is_wall {
             return with;
         }
         if own.inserts == 1 {

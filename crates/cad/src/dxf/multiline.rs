@@ -6,6 +6,7 @@ use super::curves::polyline;
 use super::entity::{Body, Skip, as_a_whole};
 use super::fields::{Fields, own_pairs};
 use super::reader::Reader;
+use crate::drawing::Editable;
 use enfilade_report::Error;
 
 /// Most lines of one multiline; the programs that draw them allow as many.
@@ -31,7 +32,17 @@ impl Reader<'_, '_> {
         let is_closed = self.int(fields, 71, 0)? & 2 != 0;
         let lines = 0..corners[0].lines.len();
         let pieces = lines.flat_map(|line| pieces(&corners, line, is_closed));
-        let editable = as_a_whole(self.extrusion(fields)?);
+        let whole = as_a_whole(self.extrusion(fields)?);
+        // A straight one without breaks can change its length too.
+        let is_straight = corners.len() == 2 && !is_closed;
+        let has_breaks = corners.iter().flat_map(|c| &c.lines).any(|line| line.len() > 2);
+        let editable = match whole {
+            Editable::WithInsert { turnable: true } if is_straight && !has_breaks => {
+                let length = corners[0].at.distance(corners[1].at);
+                Editable::Wall { ends: [vec![0], vec![1]], free: [length; 2] }
+            }
+            other => other,
+        };
         let bodies = pieces
             .map(|(points, is_ring)| self.checked(Body::Shape(polyline(points, is_ring), editable.clone())));
         Ok(bodies.collect())
@@ -118,7 +129,7 @@ fn pieces(corners: &[Corner], line: usize, is_closed: bool) -> Vec<(Vec<DVec2>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drawing::{Drawing, Edit, Editable, RigidMotion, Shape};
+    use crate::drawing::{Drawing, Edit, RigidMotion, Shape};
     use crate::dxf::{ReadOptions, patch, read};
     use enfilade_report::Report;
 
@@ -222,6 +233,32 @@ mod tests {
             assert!(text.contains("\n10\n0.75\n20\n-0.5\n"), "where it starts: {text}");
             let way = format!("\n12\n{}", turn.x);
             assert!(text.contains(way.trim_end_matches(".0")), "{way}: {text}");
+        }
+    }
+
+    /// A straight one changes its length at either end, alone and while it moves; one with a corner does not.
+    #[test]
+    fn a_straight_one_changes_its_length() {
+        let faces: &[&[f64]] = &[&[0.1, 0.0], &[-0.1, 0.0]];
+        let corners = corner([1.0, 2.0], [0.0, 1.0], faces) + &corner([5.0, 2.0], [0.0, 1.0], faces);
+        let (before, bytes) = (drawn(1, &corners).0, text(1, &corners).into_bytes());
+        let own: Vec<_> = before.entities.iter().filter(|e| e.source.kind == "MLINE").collect();
+        let can = Editable::Wall { ends: [vec![0], vec![1]], free: [4.0; 2] };
+        assert!(own.len() == 2 && own.iter().all(|e| e.editable == can), "{own:?}");
+        let (record, by) = (own[0].source.record, [0.5, -0.25]);
+        for turn_rad in [None, Some(0.0), Some(0.3)] {
+            let motion = turn_rad.map(|turn_rad| RigidMotion { turn_rad, shift: DVec2::new(-3.0, 0.5) });
+            let moved = motion.map(|motion| Edit::Insert { record, motion });
+            let edits: Vec<Edit> = moved.into_iter().chain([Edit::Ends { record, by }]).collect();
+            let written = patch("a.dxf", &bytes, &edits, &[]).unwrap();
+            let after = read("a.dxf", &written, &ReadOptions::default(), &mut Report::default()).unwrap();
+            for (was, is) in lines(&before).iter().zip(&lines(&after)) {
+                for ((p, q), by) in was.0.iter().zip(&is.0).zip(by) {
+                    let p = DVec2::from(*p) + DVec2::X * by;
+                    let meant = motion.map_or(p, |m| DVec2::from_angle(m.turn_rad).rotate(p) + m.shift);
+                    assert!(meant.distance(DVec2::from(*q)) < 1e-9, "{turn_rad:?}: {meant} {q:?}");
+                }
+            }
         }
     }
 

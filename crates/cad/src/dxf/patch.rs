@@ -127,6 +127,14 @@ fn edit_splices<'t, 'a>(
     let edits = definition_edits(file, tokens, edits)?;
     let edits = edits.as_ref();
     let defined = tokens.section(b"BLOCKS").unwrap_or(0..0);
+    let is_moved =
+        |of: usize| edits.iter().any(|e| matches!(e, Edit::Insert { record, .. } if *record == of));
+    let ends_of = |of: usize| {
+        edits.iter().find_map(|e| match e {
+            Edit::Ends { record, by } if *record == of => Some(*by),
+            _ => None,
+        })
+    };
     edits
         .iter()
         .map(|edit| {
@@ -137,9 +145,14 @@ fn edit_splices<'t, 'a>(
             }
             match edit {
                 Edit::Shape { shape, .. } => editor.shape(shape)?,
-                Edit::Insert { motion, .. } => editor.insert(motion)?,
+                Edit::Insert { motion, .. } => match ends_of(*record) {
+                    Some(by) => editor.multiline(Some(motion), by)?,
+                    None => editor.insert(motion)?,
+                },
                 Edit::Points { points, .. } => editor.points(points)?,
-                Edit::Ends { .. } => return Err(editor.fault("no entity has ends of its own to move")),
+                // With its motion, which says all.
+                Edit::Ends { .. } if is_moved(*record) => {}
+                Edit::Ends { by, .. } => editor.multiline(None, *by)?,
                 Edit::Work { work, .. } => match writer.as_deref_mut() {
                     Some(writer) => editor.work(work, writer)?,
                     None => return Err(editor.fault("nothing can be drawn here")),
@@ -416,6 +429,42 @@ impl Editor<'_, '_> {
             }
             _ => Err(self.fault("it is nothing that moves as a whole")),
         }
+    }
+
+    /// Moves both ends of a straight multiline along it, and then all of it.
+    fn multiline(&mut self, motion: Option<&RigidMotion>, by: [f64; 2]) -> Result<(), Error> {
+        let record = self.record;
+        let slots = match self.tokens.name(record) {
+            b"MLINE" => point_slots(self.tokens, record, 11),
+            _ => Vec::new(),
+        };
+        let [first, last] = slots[..] else {
+            return Err(self.fault("it has no ends of its own to move"));
+        };
+        let still = RigidMotion { turn_rad: 0.0, shift: DVec2::ZERO };
+        let motion = motion.unwrap_or(&still);
+        let at = |editor: &mut Self, (x, y): (usize, Option<usize>)| {
+            let y = y.ok_or_else(|| editor.fault("it has a point without y"))?;
+            Ok::<_, Error>((x, y, DVec2::new(editor.number(x)?, editor.number(y)?)))
+        };
+        let ends = [at(self, first)?, at(self, last)?];
+        let along = (ends[1].2 - ends[0].2).normalize_or_zero();
+        let turn = DVec2::from_angle(motion.turn_rad);
+        let fields = Fields::of(self.tokens, record);
+        // Its start is said twice.
+        let start = fields.index(10).map(|x| (x, fields.index(20)));
+        let start = start.map(|slot| at(self, slot)).transpose()?;
+        for ((x, y, old), by) in ends.into_iter().zip(by).chain(start.map(|s| (s, by[0]))) {
+            let new = turn.rotate(old + along * by) + motion.shift;
+            self.listen([old, new])?;
+            self.length(record, Some(x), new.x)?;
+            self.length(record, Some(y), new.y)?;
+        }
+        if motion.turn_rad != 0.0 {
+            let turned = RigidMotion { shift: DVec2::ZERO, ..*motion };
+            self.rigid(record, &turned, &[], &[12, 13])?;
+        }
+        Ok(())
     }
 
     /// Writes the points of a filled area.

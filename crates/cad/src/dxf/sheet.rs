@@ -67,13 +67,15 @@ impl Sheet {
         self.moves.iter()
     }
 
-    /// Whether what an INSERT shows in a box is small beside the rest. So is taken what lies so far from zero that it
-    /// would not come back exactly.
-    pub fn is_thing(&self, corners: &[DVec2], pieces: u64) -> bool {
-        let draws_little = (pieces as f64) < THING_PIECES * self.pieces as f64;
+    /// Whether what an INSERT shows in a box is small beside the rest.
+    pub fn is_small(&self, corners: &[DVec2], pieces: u64) -> bool {
+        self.is_short(corners) && (pieces as f64) < THING_PIECES * self.pieces as f64
+    }
+
+    /// Whether what an INSERT shows in a box lies so far from zero that it would not come back exactly.
+    pub fn is_away(&self, corners: &[DVec2]) -> bool {
         let Some([lo, hi]) = box_of(corners.iter().copied()) else { return true };
-        let is_near = lo.abs().max(hi.abs()).max_element() <= AWAY_MAX * (hi - lo).max_element();
-        self.is_short(corners) && draws_little || !is_near
+        lo.abs().max(hi.abs()).max_element() > AWAY_MAX * (hi - lo).max_element()
     }
 
     /// Whether a box is short beside what model space shows: nobody expects parts of it to move.
@@ -117,6 +119,8 @@ pub(super) fn own_editable(drawn: &Shape, editable: &Editable, map: &DAffine2) -
         Editable::WithInsert { turnable } => {
             Editable::WithInsert { turnable: *turnable && similarity(map).is_some() }
         }
+        // Its ends would have to be measured in the block's own units.
+        Editable::Wall { .. } => Editable::WithInsert { turnable: similarity(map).is_some() },
         other => other.clone(),
     }
 }

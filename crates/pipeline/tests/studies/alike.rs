@@ -116,9 +116,12 @@ const DEFAULTS: [(&str, [f64; 2]); 6] = [
 
 fn check(entities: &str) -> CheckResult {
     let settings = Settings::new(Partial::default()).unwrap();
-    enfilade_pipeline::check(&Input::new("flat.dxf", drawing(entities).as_bytes(), 1), &settings)
-        .unwrap()
-        .result
+    let mut text = drawing(entities);
+    if entities.contains("INSERT") {
+        let section = "0\nSECTION\n2\nENTITIES";
+        text = text.replace(section, &(blocks().replace('|', "\n") + section));
+    }
+    enfilade_pipeline::check(&Input::new("flat.dxf", text.as_bytes(), 1), &settings).unwrap().result
 }
 
 fn ways(result: &CheckResult) -> Vec<(String, [f64; 2])> {
@@ -132,6 +135,37 @@ fn marked(entities: &str, (outline, way, _): (Rect, &str, [f64; 2])) -> CheckRes
     check(&(entities.to_owned() + &polyline("EF-MOVE", &corners(outline), true) + &text))
 }
 
+/// Every wall as a block of its own.
+fn blocks() -> String {
+    let block = |(i, r): (usize, Rect)| {
+        let [w, h] = [r[2] - r[0], r[3] - r[1]];
+        let own = polyline("A-WALL", &corners([0.0, 0.0, w, h]), true);
+        format!("0|BLOCK|2|W{i}|10|0|20|0|{own}0|ENDBLK|")
+    };
+    let all: String = WALLS.into_iter().enumerate().map(block).collect();
+    format!("0|SECTION|2|BLOCKS|{all}0|ENDSEC|")
+}
+
+fn inserts() -> String {
+    let insert = |(i, r): (usize, Rect)| format!("0|INSERT|8|A-WALL|2|W{i}|10|{}|20|{}|50|0|", r[0], r[1]);
+    WALLS.into_iter().enumerate().map(insert).collect()
+}
+
+/// A straight multiline of two faces.
+fn multiline(r: Rect) -> String {
+    let ([[x0, y0], [x1, y1]], t) = axis(r);
+    let (dx, dy) = if y0 == y1 { (1, 0) } else { (0, 1) };
+    let corner = |x: f64, y: f64| {
+        let face = |side: f64| format!("74|2|41|{}|41|0|75|0|", side * t / 2.0);
+        format!("11|{x}|21|{y}|12|{dx}|22|{dy}|13|{}|23|{dx}|{}{}", -dy, face(1.0), face(-1.0))
+    };
+    format!(
+        "0|MLINE|8|A-WALL|2|STANDARD|40|{t}|70|1|71|1|72|2|73|2|10|{x0}|20|{y0}|{}{}",
+        corner(x0, y0),
+        corner(x1, y1)
+    )
+}
+
 #[test]
 fn a_flat_moves_alike_however_it_is_drawn() {
     let drawn = [
@@ -140,6 +174,7 @@ fn a_flat_moves_alike_however_it_is_drawn() {
         ("face lines", sides(&OUTLINE)),
         ("one outline", polyline("A-WALL", &OUTLINE, true)),
         ("two leaves", boxes(leaves)),
+        ("blocks", inserts()),
     ];
     for (name, entities) in &drawn {
         let expected: Vec<(String, [f64; 2])> = DEFAULTS.map(|(n, way)| (n.to_owned(), way)).to_vec();
@@ -149,6 +184,16 @@ fn a_flat_moves_alike_however_it_is_drawn() {
             let differs = (0..2).any(|k| (way[k] - mark.2[k]).abs() > 0.002);
             assert!(!differs, "{name} {mark:?}: {way:?}");
         }
+    }
+}
+
+/// The ends of multilines follow the wall that they stand at.
+#[test]
+fn multilines_follow_each_other() {
+    let entities = boxes(multiline);
+    for mark in MARKS {
+        let [(_, way)] = &ways(&marked(&entities, mark))[..] else { panic!("{mark:?}") };
+        assert!((0..2).all(|k| (way[k] - mark.2[k]).abs() < 0.002), "{mark:?}: {way:?}");
     }
 }
 
