@@ -507,7 +507,7 @@ impl<'m> Grid<'m> {
 }
 
 /// Whether the way of a default clause is worth a parameter.
-pub(super) fn is_worth_moving(clause: &Clause, human_scale: f64) -> bool {
+pub fn is_worth_moving(clause: &Clause, human_scale: f64) -> bool {
     let least = if matches!(clause.kind, Kind::Rotate(_)) { TURN_MIN_DEG } else { SLIDE_MIN_M * human_scale };
     clause.upper - clause.lower >= least
 }

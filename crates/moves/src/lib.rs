@@ -28,7 +28,7 @@ mod bars;
 pub mod carried;
 pub mod control;
 pub mod defaults;
-mod doorways;
+pub mod doorways;
 mod followed;
 mod furniture;
 pub mod idle;

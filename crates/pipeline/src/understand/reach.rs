@@ -8,6 +8,7 @@ use crate::understand::pieces::Pieces;
 use crate::understand::understood::Understood;
 use enfilade_cad::drawing::place_in;
 use enfilade_config::Settings;
+use enfilade_moves::doorways::is_worth_moving;
 use enfilade_moves::{Layout, Moves, Parameter};
 use enfilade_overlay::words::listed;
 use enfilade_penalties::Overlap;
@@ -44,9 +45,7 @@ struct Walk<'a> {
 }
 
 /// The moves of marks with ways that end where nothing beyond can be built: whatever stands at the far end is allowed, or
-/// the way ends before it. A place on the way may still be forbidden; the search keeps off it.
-///
-/// What is linked follows another group, so that its way alone says nothing; nor does a wall that may move itself.
+/// the way ends before it. A place on the way may still be forbidden; the search keeps off it. Each is told at its mark.
 pub(crate) fn within_reach<'a>(
     base: &Understood,
     groups: impl Iterator<Item = &'a Group> + Clone,
@@ -54,32 +53,9 @@ pub(crate) fn within_reach<'a>(
     report: &mut Report,
 ) -> Moves {
     let mut moves = base.moves.clone();
-    if !is_gated(base, settings) {
-        return moves;
-    }
-    let pieces = Pieces::new(base);
-    let guards = Guards::new(base, &pieces.drawn, settings);
-    let drawn = enfilade_penalties::Layout { pieces: &pieces.drawn };
-    let crossings = (!settings.allow.crossings).then(|| Overlap::new(&drawn));
-    let walk = Walk { base, pieces, guards, crossings };
     let mut without_way = Vec::new();
-    let is_linked = |p: &Parameter| settings.links.iter().any(|l| l.groups.contains(&p.group_name));
-    for i in 0..moves.parameters.len() {
-        let p = &base.moves.parameters[i];
-        if is_linked(p) {
-            continue;
-        }
-        let ends = [p.clause.lower, p.clause.upper].map(|end| walk.end(i, end));
-        let [lower, upper] = [0, 1].map(|k| ends[k].as_ref().map(|e| e.0));
-        let clause = Clause {
-            lower: lower.unwrap_or(p.clause.lower),
-            upper: upper.unwrap_or(p.clause.upper),
-            ..p.clause.clone()
-        };
-        if clause == p.clause {
-            continue;
-        }
-        let faults: Vec<Fault> = ends.into_iter().flatten().flat_map(|e| e.1).collect();
+    for Ended { parameter, clause, faults } in ended(base, settings) {
+        let p = &base.moves.parameters[parameter];
         let group = groups.clone().find(|g| g.name == p.group_name);
         let place =
             group.map_or_else(|| Place::file(&base.plan.file), |g| place_in(&base.plan.file, &g.source));
@@ -89,12 +65,59 @@ pub(crate) fn within_reach<'a>(
             report.info("move-shortened", place, text);
         } else {
             report.warn("move-shortened", place, text);
-            without_way.push(i);
+            without_way.push(parameter);
         }
-        moves.parameters[i].clause = clause;
+        moves.parameters[parameter].clause = clause;
     }
     moves.leave_out(&without_way);
     moves
+}
+
+/// The default moves with ways that end in the same way. Nobody stated more; those with no way worth a parameter are left
+/// out.
+pub(crate) fn defaults_within_reach(base: &Understood, settings: &Settings) -> Moves {
+    let mut moves = base.moves.clone();
+    let mut without_way = Vec::new();
+    for Ended { parameter, clause, .. } in ended(base, settings) {
+        if !is_worth_moving(&clause, base.plan.human_scale) {
+            without_way.push(parameter);
+        }
+        moves.parameters[parameter].clause = clause;
+    }
+    moves.leave_out(&without_way);
+    moves
+}
+
+/// A parameter whose way ends before its bounds.
+struct Ended {
+    parameter: usize,
+    clause: Clause,
+    /// What is wrong beyond.
+    faults: Vec<Fault>,
+}
+
+/// The parameters whose ways end before their bounds. What is linked follows another group, so that its way alone says
+/// nothing; nor does a wall that may move itself.
+fn ended(base: &Understood, settings: &Settings) -> Vec<Ended> {
+    if !is_gated(base, settings) {
+        return Vec::new();
+    }
+    let pieces = Pieces::new(base);
+    let guards = Guards::new(base, &pieces.drawn, settings);
+    let drawn = enfilade_penalties::Layout { pieces: &pieces.drawn };
+    let crossings = (!settings.allow.crossings).then(|| Overlap::new(&drawn));
+    let walk = Walk { base, pieces, guards, crossings };
+    let is_linked = |p: &Parameter| settings.links.iter().any(|l| l.groups.contains(&p.group_name));
+    let of = |parameter: usize| {
+        let p = &base.moves.parameters[parameter];
+        let bounds = [p.clause.lower, p.clause.upper];
+        let ends = if is_linked(p) { [None, None] } else { bounds.map(|end| walk.end(parameter, end)) };
+        let [lower, upper] = [0, 1].map(|k| ends[k].as_ref().map_or(bounds[k], |e| e.0));
+        let clause = Clause { lower, upper, ..p.clause.clone() };
+        let faults = ends.into_iter().flatten().flat_map(|e| e.1).collect();
+        (clause != p.clause).then_some(Ended { parameter, clause, faults })
+    };
+    (0..base.moves.parameters.len()).filter_map(of).collect()
 }
 
 /// Whether a clause takes its group anywhere.
