@@ -332,13 +332,7 @@ impl<'a> Axial<'a> {
         if !self.is_inner(chain) {
             return Err(Stays::Outer);
         }
-        // A gap of drawing error is closed for sight only where its walls stay.
-        let at_gap = |p: DVec2| {
-            let p = chain.local(p);
-            let (beside, beyond) = (chain.thickness / 2.0 + BESIDE_M, chain.thickness + BESIDE_M);
-            p.y.abs() <= beside && (chain.from - beyond..=chain.to + beyond).contains(&p.x)
-        };
-        if self.axes.closures.iter().any(|c| at_gap(c.a) || at_gap(c.b)) {
+        if self.axes.closures.iter().any(|c| chain.has_gap([c.a, c.b])) {
             return Err(Stays::Joined);
         }
         let direction = chain.along.perp();

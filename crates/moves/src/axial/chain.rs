@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
+use super::BESIDE_M;
 use enfilade_plan::Plan;
 use enfilade_plan::graph::Handle;
 
@@ -22,6 +23,16 @@ pub(super) struct Chain {
 }
 
 impl Chain {
+    /// Whether a gap lies on its line, within it or at its ends. One of drawing error is closed for sight only where its
+    /// walls stay. What lies across is the cavity between two leaves.
+    pub(super) fn has_gap(&self, gap: [DVec2; 2]) -> bool {
+        let [a, b] = gap.map(|p| self.local(p));
+        let (beside, beyond) = (self.thickness / 2.0 + BESIDE_M, self.thickness + BESIDE_M);
+        let is_along = (b - a).x.abs() > (b - a).y.abs();
+        let is_at = |p: &DVec2| p.y.abs() <= beside && (self.from - beyond..=self.to + beyond).contains(&p.x);
+        is_along && [a, b].iter().any(is_at)
+    }
+
     pub(super) fn local(&self, p: DVec2) -> DVec2 {
         DVec2::new((p - self.origin).dot(self.along), self.along.perp_dot(p - self.origin))
     }
