@@ -236,7 +236,7 @@ impl<'a> Doorways<'a> {
                 let [low, high] =
                     [clause.lower, clause.upper].map(|v| alone.shrunk(self.plan, self.graph, v));
                 let most: Vec<f64> = low.iter().zip(&high).map(|(a, b)| a.max(*b)).collect();
-                self.ledger.take(&alone.sides, &most);
+                self.ledger.take(&alone.stretches, &most);
             }
         }
         out
@@ -249,7 +249,7 @@ impl<'a> Doorways<'a> {
         let ([clause], [_]) = (out.clauses.as_mut_slice(), alone.parameters.as_slice()) else { return out };
         for bound in [&mut clause.lower, &mut clause.upper] {
             let shrunk = alone.shrunk(self.plan, self.graph, *bound);
-            let share = self.ledger.share(&alone.sides, &shrunk);
+            let share = self.ledger.share(&alone.stretches, &shrunk);
             if share < 1.0 {
                 // No −0: it would be told so.
                 *bound = (*bound * share * 1e3).trunc() / 1e3 + 0.0;

@@ -54,7 +54,7 @@ use glam::DVec2;
 use bars::Moving;
 use joined::Joined;
 use mitre::{Mitre, Refusal, Stuck};
-use remains::{Ledger, REST_M, Sides};
+use remains::{Ledger, REST_M, Stretches};
 use shortened::Holding;
 
 use enfilade_cad::drawing::place_in;
@@ -134,7 +134,7 @@ pub struct Moves {
     /// The ends of walls that change their length with a wall they are joined to.
     joined: Joined,
     /// The sides of walls that become longer or shorter.
-    sides: Sides,
+    stretches: Stretches,
 }
 
 /// A wall after its move.
@@ -270,7 +270,7 @@ impl Moves {
             out.start.insert(*w, points.into_iter().map(|p| plan.frame.plan_from_file(p)).collect());
         }
         out.walls = walls.into_iter().collect();
-        out.sides = Sides::new(plan, axes, &out.handles().copied().collect());
+        out.stretches = Stretches::new(plan, axes, &out.handles().copied().collect());
         match out.refused(plan, graph) {
             Some(refusal) => Err(refusal),
             None => Ok(out),
@@ -294,14 +294,14 @@ impl Moves {
                 if let Some(why) = self.mitre.trouble(&self.start, &placed.ends, &placed.at) {
                     return Some(Refusal { group, why });
                 }
-                let shrunk = self.sides.shrunk(&placed.at);
+                let shrunk = self.stretches.shrunk(&placed.at);
                 most = shrunk
                     .iter()
                     .zip(most.iter().chain(std::iter::repeat(&0.0)))
                     .map(|(a, b)| a.max(*b))
                     .collect();
             }
-            let side = taken.take(&self.sides, &most).filter(|_| self.only_shifts(group))?;
+            let side = taken.take(&self.stretches, &most).filter(|_| self.only_shifts(group))?;
             let wall = &plan.walls[side[0].0 as usize].source;
             let name = wall.handle.as_ref().map_or_else(|| format!("#{}", wall.record), Clone::clone);
             let why = format!(
@@ -313,7 +313,7 @@ impl Moves {
 
     /// By how much each side of walls is shorter where the one parameter has a value.
     fn shrunk(&self, plan: &Plan, graph: &Graph, value: f64) -> Vec<f64> {
-        self.sides.shrunk(&self.placed(plan, graph, &[value]).at)
+        self.stretches.shrunk(&self.placed(plan, graph, &[value]).at)
     }
 
     /// Whether a group only shifts.

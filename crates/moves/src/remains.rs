@@ -25,31 +25,31 @@ const SIDE_SIN: f64 = 0.02;
 type Places = BTreeMap<u32, Vec<DVec2>>;
 
 /// A drawn side by the control points of its ends.
-pub(super) type Side = [Handle; 2];
+pub(super) type Stretch = [Handle; 2];
 
 /// The sides of walls that some moves may make longer or shorter, each from one joint or jamb to the next.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Sides {
+pub(super) struct Stretches {
     /// With where their ends stand as drawn.
-    list: Vec<(Side, [DVec2; 2])>,
+    list: Vec<(Stretch, [DVec2; 2])>,
     rest_m: f64,
 }
 
-impl Sides {
+impl Stretches {
     /// Those at control points that move.
     pub fn new(plan: &Plan, axes: &AxisGraph, moves: &BTreeSet<Handle>) -> Self {
         let mut out = parts(plan, axes);
         let walls: BTreeSet<u32> = moves.iter().map(|h| h.0).collect();
         out.extend(walls.into_iter().flat_map(|w| sides_of_body(plan, w)));
         out.retain(|side| side.iter().any(|h| moves.contains(h)));
-        let drawn = |side: Side| (side, side.map(|h| handle_at(plan, h) * plan.human_scale));
+        let drawn = |side: Stretch| (side, side.map(|h| handle_at(plan, h) * plan.human_scale));
         Self { list: out.into_iter().map(drawn).collect(), rest_m: REST_M * plan.human_scale }
     }
 
     /// By how much each side is shorter than drawn where control points stand at some places, metres; negative where it is
     /// longer.
     pub fn shrunk(&self, now: &Places) -> Vec<f64> {
-        let of = |(side, drawn): &(Side, [DVec2; 2])| {
+        let of = |(side, drawn): &(Stretch, [DVec2; 2])| {
             let at = |k: usize| now.get(&side[k].0).map_or(drawn[k], |p| p[side[k].1 as usize]);
             let (was, is) = (drawn[1] - drawn[0], at(1) - at(0));
             was.try_normalize().map_or(0.0, |along| was.length() - is.dot(along))
@@ -58,18 +58,18 @@ impl Sides {
     }
 
     /// Each side with how much shorter it may become, metres.
-    pub fn rooms(&self) -> impl Iterator<Item = (&Side, f64)> {
+    pub fn rooms(&self) -> impl Iterator<Item = (&Stretch, f64)> {
         self.list.iter().map(|(side, [a, b])| (side, (a.distance(*b) - self.rest_m).max(0.0)))
     }
 }
 
 /// What of the sides of walls is taken by one move after another.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Ledger(BTreeMap<Side, f64>);
+pub(super) struct Ledger(BTreeMap<Stretch, f64>);
 
 impl Ledger {
     /// Takes as much of each side as a move does at most; the first side of which too little is left.
-    pub fn take(&mut self, sides: &Sides, most: &[f64]) -> Option<Side> {
+    pub fn take(&mut self, sides: &Stretches, most: &[f64]) -> Option<Stretch> {
         let mut out = None;
         for ((side, room), more) in sides.rooms().zip(most).filter(|s| *s.1 > NOISE_M) {
             let taken = self.0.entry(*side).or_default();
@@ -82,8 +82,8 @@ impl Ledger {
     }
 
     /// The share of a way on which each side becomes so much shorter that the rest of them allows.
-    pub fn share(&self, sides: &Sides, shrunk: &[f64]) -> f64 {
-        let left = |(side, room): (&Side, f64)| (room - self.0.get(side).copied().unwrap_or(0.0)).max(0.0);
+    pub fn share(&self, sides: &Stretches, shrunk: &[f64]) -> f64 {
+        let left = |(side, room): (&Stretch, f64)| (room - self.0.get(side).copied().unwrap_or(0.0)).max(0.0);
         let shares = sides.rooms().map(left).zip(shrunk).filter(|(_, by)| **by > NOISE_M);
         shares.map(|(left, by)| (left + NOISE_M) / by).fold(1.0, f64::min)
     }
@@ -91,12 +91,12 @@ impl Ledger {
 
 /// The sides of straight walls, or the lines that draw them, from one corner on them to the next: where another wall ends at a side that is drawn
 /// past it, there too.
-fn parts(plan: &Plan, axes: &AxisGraph) -> BTreeSet<Side> {
+fn parts(plan: &Plan, axes: &AxisGraph) -> BTreeSet<Stretch> {
     let mut out = BTreeSet::new();
     let ends = ends_on_sides(plan, axes);
     for e in axes.edges.iter().filter(|e| e.bulge == 0.0) {
         for f in e.left.iter().chain(&e.right) {
-            let Ok([a, b]) = <Side>::try_from(face_handles(plan, *f)) else { continue };
+            let Ok([a, b]) = <Stretch>::try_from(face_handles(plan, *f)) else { continue };
             let from = handle_at(plan, a);
             let place = |h: &Handle| handle_at(plan, *h).distance_squared(from);
             let mut all: Vec<Handle> = ends.get(f).into_iter().flatten().copied().chain([a, b]).collect();
@@ -155,7 +155,7 @@ fn corners_at(plan: &Plan, axes: &AxisGraph, edge: &Edge, node: u32) -> Vec<Hand
 }
 
 /// The sides of a wall that can change its length, from its ends to what is next on it.
-fn sides_of_body(plan: &Plan, w: u32) -> Vec<Side> {
+fn sides_of_body(plan: &Plan, w: u32) -> Vec<Stretch> {
     let wall = &plan.walls[w as usize];
     let (Editable::Wall { .. }, Some(along)) = (&wall.editable, along(plan, &[w])) else { return Vec::new() };
     let points = enfilade_cad::curve::control_points(&wall.shape);
