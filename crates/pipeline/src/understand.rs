@@ -165,7 +165,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     if !groups.is_empty() {
         base.moves = marked::taken_up(&mut base, &groups, settings, report);
     } else if base.moves.are_default {
-        base.moves = reach::defaults_within_reach(&base, settings);
+        base.moves = reach::defaults_within_reach(&base, settings, report);
     }
     gaps::state_closed(&base, report);
     Ok(base)

@@ -142,8 +142,8 @@ mod tests {
         let drawings = [
             ("us_house_bishop", 4, false),
             ("gama_house_librecad", 1, true),
-            ("potynobg_pianta_house", 3, false),
-            ("pms_building001_floor3_aia", 10, true),
+            ("potynobg_pianta_house", 2, false),
+            ("pms_building001_floor3_aia", 9, true),
         ];
         for (name, may_move, some_stay) in drawings {
             let file = format!("{name}.dxf");

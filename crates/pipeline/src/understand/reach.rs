@@ -13,7 +13,7 @@ use enfilade_moves::{Layout, Moves, Parameter};
 use enfilade_overlay::words::listed;
 use enfilade_penalties::Overlap;
 use enfilade_plan::markers::{Clause, Group, Kind};
-use enfilade_report::{Place, Report};
+use enfilade_report::{Place, Report, counted};
 
 /// Places of a shift lie no farther apart than this, metres of a person, those of a turn than this, degrees, those of a
 /// scaling than this; and are no more than so many.
@@ -74,8 +74,8 @@ pub(crate) fn within_reach<'a>(
 }
 
 /// The default moves with ways that end in the same way. Nobody stated more; those with no way worth a parameter are left
-/// out.
-pub(crate) fn defaults_within_reach(base: &Understood, settings: &Settings) -> Moves {
+/// out, and named.
+pub(crate) fn defaults_within_reach(base: &Understood, settings: &Settings, report: &mut Report) -> Moves {
     let mut moves = base.moves.clone();
     let mut without_way = Vec::new();
     for Ended { parameter, clause, .. } in ended(base, settings) {
@@ -84,7 +84,19 @@ pub(crate) fn defaults_within_reach(base: &Understood, settings: &Settings) -> M
         }
         moves.parameters[parameter].clause = clause;
     }
+    let names: Vec<String> =
+        without_way.iter().map(|i| base.moves.parameters[*i].group_name.clone()).collect();
     moves.leave_out(&without_way);
+    if !names.is_empty() {
+        let text = format!(
+            "{} of what could move by default {} without a way that can be built ({}); {} left",
+            names.len(),
+            if names.len() == 1 { "is" } else { "are" },
+            listed(&names, "and"),
+            counted(moves.parameters.len() as u64, "parameter")
+        );
+        report.info("default-moves-ways", Place::file(&base.plan.file), text);
+    }
     moves
 }
 

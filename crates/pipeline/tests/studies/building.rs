@@ -133,10 +133,10 @@ fn points_of_the_front_can_be_taken() {
 /// Moves of the search go with works where they bring their share; the file has both, and so has the accepted drawing.
 #[test]
 fn works_and_moves_go_together() {
-    let bytes = std::fs::read(sample("school-wing.ifc")).unwrap();
+    let bytes = std::fs::read(sample("small-office.dxf")).unwrap();
     let text = "evaluations = 120\nseed = 1\nbudget = \"1 m\"\n";
     let settings = Settings::new(Partial::from_toml("", text).unwrap()).unwrap();
-    let input = Input::new("school-wing.ifc", &bytes, 1);
+    let input = Input::new("small-office.dxf", &bytes, 1);
     let Outcome { result, files, .. } =
         run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default()).unwrap();
     let still: Vec<f64> = result.moves.iter().map(|m| m.kind.identity()).collect();
@@ -148,12 +148,12 @@ fn works_and_moves_go_together() {
     let alone = result.front.iter().find(|p| p.works == option.works).expect("its works as a point");
     let [with, without] = [&option.gain, &alone.gain].map(|g| g["degree"].share);
     assert!(with > without, "{with} {without}");
-    let now = sight("school-wing.ifc", &bytes, "");
-    let new = taken("school-wing.ifc", &bytes, &result, number);
-    let gain = sight("school-wing.ifc", &new.drawing, &new.side_car) / now - 1.0;
+    let now = sight("small-office.dxf", &bytes, "");
+    let new = taken("small-office.dxf", &bytes, &result, number);
+    let gain = sight("small-office.dxf", &new.drawing, &new.side_car) / now - 1.0;
     let claim = option.gain["degree"];
     assert!((claim.low - ELSEWHERE..=claim.high + ELSEWHERE).contains(&gain), "{gain}, {claim:?}");
-    repeats_in(&result, &files, "school-wing.ifc");
+    repeats_in(&result, &files, "small-office.dxf");
 }
 
 /// The front reaches what the options bring, also under a budget: sizes of works are joined to fit it.
