@@ -144,7 +144,7 @@ fn corridor(mark: [f64; 4], how: &str) -> Plan {
     plan.mark(mark, how)
 }
 
-/// A joint stays 0.1 m before a door's jamb, and the marker is told; a jamb marked by itself narrows its door, and
+/// A joint stays 0.1 m before a door's jamb, and the mark gets a note; a jamb marked by itself narrows its door, and
 /// every option that does says so.
 #[test]
 fn a_door_is_not_made_narrower_in_silence() {

@@ -20,7 +20,7 @@ use super::remains::REST_M;
 use super::sizes::{DOOR_WIDTH_M, PARTITION_SLIDE_M, PARTITION_THICKNESS_MAX_M, SLIDE_M, SLIDE_MIN_M};
 use super::sliding::{Sliding, upright, whole_mm};
 use super::things::Things;
-use chain::{Chain, Own, walls_by_record};
+use chain::{BESIDE_M, Chain, Own, walls_by_record};
 use enfilade_cad::drawing::{Editable, Format};
 use enfilade_cad::plane::distance_to_segment;
 use enfilade_engine::interior::Interior;
@@ -43,27 +43,11 @@ const LOOK_M: f64 = 0.5;
 /// Shortest partition.
 const PARTITION_LENGTH_MIN_M: f64 = 0.8;
 
-/// What stays free between a sliding partition and the next thing beside it.
-const PASSAGE_M: f64 = 0.8;
-
 /// Pieces whose direction differs by less than this sine run in one direction.
 const PARALLEL_SIN: f64 = 0.02;
 
-/// Directions whose angle has a smaller sine are one: over the widest way they part by less than a tenth of a
-/// millimetre.
-const SAME_SIN: f64 = 1e-4;
-
-/// How far from a wall's axis its own corners may lie beyond half its thickness.
-const BESIDE_M: f64 = 0.06;
-
 /// The end of a wall stands at a column that is no farther away than this, beyond half the wall's thickness.
 const AT_COLUMN_M: f64 = 0.05;
-
-/// No furniture at a wall is deeper.
-const FURNITURE_MAX_M: f64 = 2.5;
-
-/// What lies this far between a wall's faces stands in it.
-const IN_WALL_M: f64 = 0.005;
 
 /// How far from the middle of a door its two sides are looked at.
 const BESIDE_DOOR_M: f64 = 0.8;

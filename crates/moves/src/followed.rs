@@ -17,7 +17,7 @@ use enfilade_plan::{Plan, Plug, Wall};
 pub(super) const JOINT_M: f64 = 0.02;
 
 /// Pieces whose direction differs by more than this sine from that of their wall are no sides of it.
-const SIDE_SIN: f64 = 0.02;
+pub(super) const SIDE_SIN: f64 = 0.02;
 
 /// An end that goes less far than this share of a shift stays.
 const STILL: f64 = 1e-6;

@@ -301,7 +301,8 @@ impl Moves {
                     .map(|(a, b)| a.max(*b))
                     .collect();
             }
-            let side = taken.take(&self.stretches, &most).filter(|_| self.only_shifts(group))?;
+            // What turns is no shorter for it: its sides only point elsewhere.
+            let side = self.only_shifts(group).then(|| taken.take(&self.stretches, &most))??;
             let wall = &plan.walls[side[0].0 as usize].source;
             let name = wall.handle.as_ref().map_or_else(|| format!("#{}", wall.record), Clone::clone);
             let why = format!(

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::followed::along;
+use super::followed::{SIDE_SIN, along};
 use enfilade_cad::drawing::Editable;
 use enfilade_plan::Plan;
 use enfilade_plan::axes::tolerances::ERROR_GAP_M;
@@ -18,9 +18,6 @@ pub(super) const REST_M: f64 = 0.1;
 /// Rounding of places, metres.
 const NOISE_M: f64 = 1e-6;
 
-/// Pieces whose direction differs by more than this sine from that of their wall are no sides of it.
-const SIDE_SIN: f64 = 0.02;
-
 /// Where control points stand, by wall; plan frame, metres.
 type Places = BTreeMap<u32, Vec<DVec2>>;
 
@@ -32,6 +29,7 @@ pub(super) type Stretch = [Handle; 2];
 pub(super) struct Stretches {
     /// With where their ends stand as drawn.
     list: Vec<(Stretch, [DVec2; 2])>,
+    /// [`REST_M`] in metres of the plan.
     rest_m: f64,
 }
 
@@ -89,8 +87,8 @@ impl Ledger {
     }
 }
 
-/// The sides of straight walls, or the lines that draw them, from one corner on them to the next: where another wall ends at a side that is drawn
-/// past it, there too.
+/// The sides of straight walls, or the lines that draw them, from one corner on them to the next: also from where another
+/// wall ends at a side that is drawn past it.
 fn parts(plan: &Plan, axes: &AxisGraph) -> BTreeSet<Stretch> {
     let mut out = BTreeSet::new();
     let ends = ends_on_sides(plan, axes);
@@ -120,7 +118,7 @@ fn ends_on_sides(plan: &Plan, axes: &AxisGraph) -> BTreeMap<FaceRef, BTreeSet<Ha
         for (ending, through) in around.iter().flat_map(|e| around.iter().map(move |f| (*e, *f))) {
             let corners = corners_at(plan, axes, ending, n);
             // A line drawn as wide as a wall is its axis: what ends at the wall stops half its width before.
-            let half_m = if through.left == through.right { through.thickness_m / 2.0 } else { 0.0 };
+            let half = if through.left == through.right { through.thickness_m / 2.0 } else { 0.0 };
             for f in through.left.iter().chain(&through.right) {
                 let [Some(a), Some(b)] =
                     [0, 1].map(|k| face_handles(plan, *f).get(k).map(|h| handle_at(plan, *h)))
@@ -132,7 +130,7 @@ fn ends_on_sides(plan: &Plan, axes: &AxisGraph) -> BTreeMap<FaceRef, BTreeSet<Ha
                     let p = handle_at(plan, **h) - a;
                     let x = p.dot(along);
                     h.0 != f.0
-                        && along.perp_dot(p).abs() <= ERROR_GAP_M + half_m
+                        && along.perp_dot(p).abs() <= ERROR_GAP_M + half
                         && (ERROR_GAP_M..=a.distance(b) - ERROR_GAP_M).contains(&x)
                 };
                 let on: Vec<Handle> = corners.iter().filter(is_on).copied().collect();

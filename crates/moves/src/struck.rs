@@ -32,7 +32,7 @@ struct Near {
     drawn: usize,
 }
 
-/// Furniture that may go along with a wall.
+/// Furniture that may follow a wall.
 #[derive(Clone, Debug)]
 struct Carriable {
     fitting: Fitting,
@@ -43,7 +43,7 @@ struct Carriable {
     beside: Vec<(Option<u32>, Vec<Segment>, usize)>,
 }
 
-/// The things that moving walls could strike, and what goes along with them.
+/// The things that moving walls could strike, and the furniture that follows them.
 #[derive(Clone, Debug, Default)]
 pub struct Struck {
     near: Vec<Near>,
@@ -53,7 +53,6 @@ pub struct Struck {
 impl Struck {
     /// Those near walls that may move; what goes with doors and walls strikes nothing, but furniture does.
     pub fn new(plan: &Plan, moves: &Moves, fittings: &[Fitting]) -> Self {
-        let is_furniture = |f: &&Fitting| matches!(f.kind, FittingKind::Furniture(_));
         let fitted: BTreeSet<usize> = fittings.iter().map(|f| f.source.record).collect();
         let things = plan.obstacles.iter();
         let things = things.filter(|o| o.kind != ObstacleKind::Door && !fitted.contains(&o.record));
@@ -84,7 +83,7 @@ impl Struck {
             let own = box_of(outline.points.iter().copied())?;
             let walls = (0u32..).zip(&plan.walls).map(|(w, wall)| (Some(w), pieces_of(&wall.trace)));
             let others = things.iter().map(|(thing, _)| (None, thing.pieces.clone()));
-            let furniture = fittings.iter().filter(is_furniture).filter(|o| o.source != f.source);
+            let furniture = fittings.iter().filter(|o| o.is_furniture() && o.source != f.source);
             let furniture = furniture.map(|o| (None, pieces_of(&trace_of(&o.shape, &plan.frame))));
             let all = walls.chain(others).chain(furniture);
             let here = all.filter(|(_, pieces)| {
@@ -99,7 +98,7 @@ impl Struck {
         Self { near, carriable: carriable.collect() }
     }
 
-    /// The things that a layout strikes, by record; furniture that goes along and runs into something counts as struck.
+    /// The things that a layout strikes, by record; furniture that follows and runs into something counts as struck.
     pub fn by(&self, plan: &Plan, layout: &Layout) -> BTreeSet<usize> {
         let moved = layout.walls.iter().filter(|w| w.is_changed);
         let of = |w: u32| {

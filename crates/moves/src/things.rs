@@ -7,13 +7,11 @@ use glam::DVec2;
 use super::sliding::clipped;
 use enfilade_cad::plane::{box_of, distance_to_segment};
 use enfilade_plan::Plan;
+pub(super) use enfilade_plan::at_walls::AT_WALL_M;
 use enfilade_plan::axes::Opening;
 use enfilade_plan::fittings::{Fitting, FittingKind, reach_m};
 use enfilade_plan::graph::Handle;
 use enfilade_plan::obstacles::{BEFORE_DOOR_M, ObstacleKind};
-
-/// Things nearer to a wall than this stand at it.
-pub(super) const AT_WALL_M: f64 = 0.05;
 
 /// What ends this near to a door's gap is part of the door.
 const AT_DOOR_M: f64 = 0.1;
@@ -86,7 +84,7 @@ impl<'a> Things<'a> {
     /// Whether a thing is furniture at a wall.
     pub fn is_furniture(&self, thing: &Thing) -> bool {
         let fitted = self.fitted.get(&thing.record);
-        fitted.is_some_and(|all| all.iter().any(|f| matches!(f.kind, FittingKind::Furniture(_))))
+        fitted.is_some_and(|all| all.iter().any(|f| f.is_furniture()))
     }
 
     /// Whether something is drawn in an opening that would not go along with it: a leaf in its pocket, a frame, a

@@ -10,7 +10,7 @@ use glam::DVec2;
 /// A passage is the shortest line between two walls where no third wall stands across it. It is too
 /// narrow by what its width lacks to the wanted width; where it was narrower than that before, to the
 /// width it had: what the drawing has is nobody's fault. It leaves and reaches walls on their free sides: what the body
-/// of a wall fills is none, whether that is drawn as two faces, a box or one outline with all others.
+/// of a wall fills does not count, whether that is drawn as two faces, a box or one outline with all others.
 /// Two walls that come to touch close the passage, which `disconnection` judges.
 #[derive(Clone, Debug)]
 pub struct Passage {

@@ -1,4 +1,4 @@
-//! Furniture that stands at walls: it goes along with the wall that it stands at.
+//! Furniture that stands at walls: it follows the wall that it stands at.
 
 use std::collections::BTreeSet;
 
@@ -9,12 +9,12 @@ use super::axes::{AxisGraph, FaceRef};
 use super::body_sides::body_sides;
 use super::fittings::{Fitting, FittingKind};
 use super::graph::Handle;
-use super::kinds::furniture;
+use super::kinds::{Thing, furniture};
 use super::structure::{face_handles, handle_at};
-use enfilade_cad::drawing::{Drawing, Shape, Vertex};
+use enfilade_cad::drawing::{Drawing, Editable, Shape, SourceRef, Vertex};
 
-/// What stands no farther from a wall stands at it, metres of a person: a skirting, a hand's breadth.
-const AT_WALL_M: f64 = 0.1;
+/// What stands no farther from a wall stands at it, metres of a person: a skirting fits behind it.
+pub const AT_WALL_M: f64 = 0.05;
 
 /// A thing stands at a wall with at least this share of its side.
 const SIDE_SHARE: f64 = 0.5;
@@ -27,14 +27,12 @@ pub fn furniture_at_walls(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> V
     let both = single.flat_map(|f| [(*f, true), (*f, false)]);
     let all: BTreeSet<(FaceRef, bool)> = sides.iter().map(|(f, left)| (*f, *left)).chain(both).collect();
     let walls: Vec<Face> = all.into_iter().filter_map(|(f, left)| Face::new(plan, f, left)).collect();
-    let of = |(thing, source, editable)| {
-        let thing: super::kinds::Thing = thing;
-        let corners = thing.extent.map(|p| plan.frame.plan_from_um(p) / plan.human_scale);
-        let faces: Vec<[Handle; 2]> =
-            walls.iter().filter(|w| w.has_at_it(corners)).map(|w| w.handles).collect();
-        let [lo, hi] = thing.extent.map(|p| plan.frame.file_from_um(p));
-        let ring = [lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)];
-        let vertices = ring.map(|at| Vertex { at, bulge: 0.0 }).to_vec();
+    let of = |(thing, source, editable): (Thing, SourceRef, Editable)| {
+        let place = |p: DVec2| plan.frame.plan_from_file(p) / plan.human_scale;
+        let corners = corners_of(thing.extent.map(|p| plan.frame.file_from_um(p)));
+        let is_at = |w: &&Face| w.has_at_it(corners.map(place));
+        let faces: Vec<[Handle; 2]> = walls.iter().filter(is_at).map(|w| w.handles).collect();
+        let vertices = corners.map(|at| Vertex { at, bulge: 0.0 }).to_vec();
         (!faces.is_empty()).then(|| Fitting {
             source,
             editable,
@@ -45,6 +43,11 @@ pub fn furniture_at_walls(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> V
         })
     };
     furniture(drawing, plan).into_iter().filter_map(of).collect()
+}
+
+/// The corners of a box, anticlockwise.
+fn corners_of([lo, hi]: [DVec2; 2]) -> [DVec2; 4] {
+    [lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)]
 }
 
 /// A drawn side of a wall, metres of a person.
@@ -66,9 +69,9 @@ impl Face {
         Some(Self { handles, from, along, length: from.distance(to), out })
     }
 
-    /// Whether something with such a box stands before it.
-    fn has_at_it(&self, [lo, hi]: [DVec2; 2]) -> bool {
-        let corners = [lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)].map(|p| p - self.from);
+    /// Whether something with such corners stands at it.
+    fn has_at_it(&self, corners: [DVec2; 4]) -> bool {
+        let corners = corners.map(|p| p - self.from);
         let range = |d: DVec2| {
             let places = corners.map(|p| p.dot(d));
             places.into_iter().fold([f64::MAX, f64::MIN], |[l, h], v| [l.min(v), h.max(v)])

@@ -10,9 +10,6 @@ use super::structure::{face_handles, handle_at};
 use super::{Plan, Wall};
 use enfilade_cad::plane::ring_area;
 
-/// A piece whose axis lies nearer to its line than this has its body on neither side, metres of a person.
-const ON_AXIS_M: f64 = 0.005;
-
 /// Whether the body lies to the left of each piece, seen from its first control point to its second; pieces of which
 /// nobody can tell are left out: single lines, arcs, what is drawn inside a wall.
 pub fn body_sides(plan: &Plan, axes: &AxisGraph) -> BTreeMap<FaceRef, bool> {
@@ -21,11 +18,12 @@ pub fn body_sides(plan: &Plan, axes: &AxisGraph) -> BTreeMap<FaceRef, bool> {
         let ends: Vec<DVec2> = face_handles(plan, face).into_iter().map(|h| handle_at(plan, h)).collect();
         let [a, b] = ends[..] else { return };
         let far = (b - a).normalize_or_zero().perp_dot(inside - a);
-        if far.abs() > ON_AXIS_M {
+        if far != 0.0 {
             out.entry(face).or_insert(far > 0.0);
         }
     };
-    for edge in axes.edges.iter().filter(|e| e.thickness_m > 0.0 && e.bulge == 0.0) {
+    // A line drawn as wide as its wall is the axis, left and right side in one: the body lies on both sides of it.
+    for edge in axes.edges.iter().filter(|e| e.thickness_m > 0.0 && e.bulge == 0.0 && e.left != e.right) {
         let [a, b] = axes.ends(edge);
         edge.left.iter().chain(&edge.right).for_each(|f| add(*f, a.midpoint(b)));
         for (node, inside) in edge.nodes.iter().zip([b, a]) {

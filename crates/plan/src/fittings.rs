@@ -35,7 +35,14 @@ pub struct Fitting {
     pub kind: FittingKind,
 }
 
-/// What goes along with walls.
+impl Fitting {
+    /// Whether it is furniture, and no part of a door or window.
+    pub fn is_furniture(&self) -> bool {
+        matches!(self.kind, FittingKind::Furniture(_))
+    }
+}
+
+/// What follows walls.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FittingKind {
     /// A part of a door or window, or a line drawn once more on a wall's.

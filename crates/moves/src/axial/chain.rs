@@ -4,21 +4,26 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::BESIDE_M;
 use enfilade_plan::Plan;
 use enfilade_plan::graph::Handle;
+
+/// How far from a wall's axis its own corners may lie beyond half its thickness.
+pub(super) const BESIDE_M: f64 = 0.06;
 
 /// Edges on one line, joined at nodes or by openings.
 pub(super) struct Chain {
     pub edges: Vec<u32>,
     /// Openings between them.
     pub openings: Vec<u32>,
-    /// Start, and unit vector along.
+    /// Where its line starts, plan frame, metres of a person.
     pub origin: DVec2,
+    /// Unit vector along it.
     pub along: DVec2,
-    /// Ends along the line, from the origin.
+    /// Where it begins on the line, metres of a person from the origin.
     pub from: f64,
+    /// Where it ends.
     pub to: f64,
+    /// Of its thickest wall, metres of a person.
     pub thickness: f64,
 }
 
@@ -33,10 +38,12 @@ impl Chain {
         is_along && [a, b].iter().any(is_at)
     }
 
+    /// A point along the line and to its left, metres of a person from the origin.
     pub(super) fn local(&self, p: DVec2) -> DVec2 {
         DVec2::new((p - self.origin).dot(self.along), self.along.perp_dot(p - self.origin))
     }
 
+    /// The point at such a place, plan frame.
     pub(super) fn world(&self, x: f64, y: f64) -> DVec2 {
         self.origin + self.along * x + self.along.perp() * y
     }

@@ -2,16 +2,16 @@
 
 use std::collections::BTreeSet;
 
-use super::chain::{Chain, Own};
-use super::{Axial, BESIDE_M, PARALLEL_SIN, REST_M};
+use super::chain::{BESIDE_M, Chain, Own};
+use super::{Axial, PARALLEL_SIN, REST_M};
 use enfilade_cad::drawing::{Editable, Format, Shape};
 use enfilade_plan::fittings::jambs_of;
 use enfilade_plan::graph::Handle;
 use enfilade_plan::structure::{end_handles, face_handles, handle_at};
 
 impl<'a> Axial<'a> {
-    /// Adds the wall ends beyond the doors and windows that end at a chain's side: they go along with it, or the door
-    /// would be torn off. How far these walls let it slide, metres of a person; `None` where one cannot go along.
+    /// Adds the wall ends beyond the doors and windows that end at a chain's side: they follow it, or the door would be
+    /// torn off. How far these walls let it slide, metres of a person; `None` where one cannot follow.
     pub(super) fn take_doors_beside(
         &self,
         chain: &Chain,
@@ -77,7 +77,7 @@ impl<'a> Axial<'a> {
     }
 
     /// The graph's nodes of what moves, if all that meets in them can be written: point by point, whole, or as an end that
-    /// goes along its wall. What merely shares a corner of a building stays.
+    /// slides on its own wall. What merely shares a corner of a building stays.
     pub(super) fn nodes(&self, own: &Own) -> Option<Vec<u32>> {
         let node = |(w, c): &Handle| self.graph.control_nodes[*w as usize][*c as usize];
         let nodes: BTreeSet<u32> = own.handles.iter().map(node).collect();
@@ -91,13 +91,13 @@ impl<'a> Axial<'a> {
         (is_writable && !nodes.is_empty()).then(|| nodes.into_iter().collect())
     }
 
-    /// The corners at some nodes that go along with what moves.
+    /// The corners at some nodes that follow what moves.
     pub(super) fn taken(&self, own: &Own, nodes: &[u32]) -> BTreeSet<Handle> {
         let all = nodes.iter().flat_map(|n| &self.graph.handles[*n as usize]).copied();
         all.filter(|h| self.goes(own, *h)).collect()
     }
 
-    /// Whether a corner goes along with what moves.
+    /// Whether a corner follows what moves.
     fn goes(&self, own: &Own, (w, c): Handle) -> bool {
         let wall = &self.plan.walls[w as usize];
         match &wall.editable {

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::chain::Chain;
-use super::{Axial, BESIDE_M, PARALLEL_SIN};
+use super::chain::{BESIDE_M, Chain};
+use super::{Axial, PARALLEL_SIN};
 use enfilade_plan::axes::Edge;
 
 impl<'a> Axial<'a> {
@@ -53,7 +53,7 @@ impl<'a> Axial<'a> {
         sets.into_values().map(|(openings, set)| self.chain(openings, set)).collect()
     }
 
-    pub(super) fn chain(&self, openings: Vec<u32>, edges: Vec<u32>) -> Chain {
+    fn chain(&self, openings: Vec<u32>, edges: Vec<u32>) -> Chain {
         let all = &self.axes.edges;
         let [origin, b] = self.axes.ends(&all[edges[0] as usize]);
         let along = (b - origin).normalize_or_zero();
@@ -71,7 +71,8 @@ impl<'a> Axial<'a> {
         }
     }
 
-    pub(super) fn on_one_line(&self, e: &Edge, f: &Edge) -> bool {
+    /// Whether two straight walls lie on one line and are as thick.
+    fn on_one_line(&self, e: &Edge, f: &Edge) -> bool {
         let ([a, b], [c, d]) = (self.axes.ends(e), self.axes.ends(f));
         let (u, v) = ((b - a).normalize_or_zero(), (d - c).normalize_or_zero());
         u.perp_dot(v).abs() < PARALLEL_SIN

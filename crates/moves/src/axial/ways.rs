@@ -10,9 +10,9 @@ use super::super::mitre::CROSSING_MIN_RAD;
 use super::super::neighbours::Piece;
 use super::super::sizes::PARTITION_SLIDE_M;
 use super::super::sliding::clipped;
-use super::super::things::AT_WALL_M;
-use super::chain::{Chain, Own};
-use super::{Axial, BESIDE_M, FURNITURE_MAX_M, IN_WALL_M, PARALLEL_SIN, PASSAGE_M, REST_M, SAME_SIN, Stays};
+use super::super::things::{AT_WALL_M, Thing};
+use super::chain::{BESIDE_M, Chain, Own};
+use super::{Axial, PARALLEL_SIN, REST_M, Stays};
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Editable, Shape};
 use enfilade_cad::plane::box_of;
@@ -20,6 +20,16 @@ use enfilade_plan::axes::{Edge, FaceRef, NodeKind, OpeningKind};
 use enfilade_plan::graph::Handle;
 use enfilade_plan::obstacles::ObstacleKind;
 use enfilade_plan::structure::{face_handles, handle_at};
+
+/// What stays free between a sliding partition and the next thing beside it.
+const PASSAGE_M: f64 = 0.8;
+
+/// Directions whose angle has a smaller sine are one: over the widest way they part by less than a tenth of a
+/// millimetre.
+const SAME_SIN: f64 = 1e-4;
+
+/// What lies this far between a wall's faces stands in it.
+const IN_WALL_M: f64 = 0.005;
 
 impl<'a> Axial<'a> {
     /// How far the joints at a chain's nodes let it slide: the walls that it ends at run across it, and the
@@ -248,7 +258,7 @@ impl<'a> Axial<'a> {
         true
     }
 
-    /// Bounds a way by what stands before the furniture that goes along: other walls as far as a way, things, and the space
+    /// Bounds a way by what stands before the furniture that follows: other walls as far as a way, things, and the space
     /// before doors.
     pub(super) fn keep_furniture_off(
         &self,
@@ -256,18 +266,18 @@ impl<'a> Axial<'a> {
         (nodes, moving): (&[u32], &BTreeSet<Handle>),
         way: &mut [f64; 2],
     ) {
-        let far = chain.thickness / 2.0 + PARTITION_SLIDE_M + FURNITURE_MAX_M + PASSAGE_M;
-        let corners = [(chain.from, -far), (chain.to, -far), (chain.from, far), (chain.to, far)];
-        let Some(around) = box_of(corners.into_iter().map(|(x, y)| chain.world(x, y))) else { return };
+        let beside = chain.thickness / 2.0 + AT_WALL_M;
+        let corners = [(chain.from, -beside), (chain.to, -beside), (chain.from, beside), (chain.to, beside)];
+        let Some(at_chain) = box_of(corners.into_iter().map(|(x, y)| chain.world(x, y))) else { return };
         let local = |[a, b]: [DVec2; 2]| [chain.local(a), chain.local(b)];
-        let (along, still): (Vec<_>, Vec<_>) =
-            self.things.near(around).partition(|t| self.things.goes_along(t, moving));
-        let furniture = along.into_iter().filter(|t| self.things.is_furniture(t));
+        let furniture = |t: &&Thing| self.things.is_furniture(t) && self.things.goes_along(t, moving);
+        let along: Vec<&Thing> = self.things.near(at_chain).filter(furniture).collect();
+        let Some([lo, hi]) = box_of(along.iter().flat_map(|t| &t.pieces).flatten().copied()) else { return };
+        let around = [lo - (PARTITION_SLIDE_M + PASSAGE_M), hi + (PARTITION_SLIDE_M + PASSAGE_M)];
         let boxes: Vec<[DVec2; 2]> =
-            furniture.filter_map(|t| box_of(t.pieces.iter().flat_map(|p| local(*p)))).collect();
-        if boxes.is_empty() {
-            return;
-        }
+            along.iter().filter_map(|t| box_of(t.pieces.iter().flat_map(|p| local(*p)))).collect();
+        let still: Vec<&Thing> =
+            self.things.near(around).filter(|t| !self.things.goes_along(t, moving)).collect();
         let is_own = |p: &&Piece| p.nodes.iter().any(|n| nodes.binary_search(n).is_ok());
         let walls = self.neighbours.near(around[0], around[1]).into_iter().map(|i| &self.pieces[i as usize]);
         let walls = walls.filter(|p| !is_own(p)).map(|p| ([p.a, p.b], PASSAGE_M));

@@ -62,7 +62,6 @@ mod tests {
     use super::*;
     use crate::understand::understood;
     use enfilade_config::{Partial, Settings};
-    use enfilade_plan::fittings::FittingKind;
     use enfilade_plan::kinds::furniture;
     use enfilade_report::Report;
 
@@ -90,10 +89,7 @@ mod tests {
                 };
                 for ((handle, was), (other, is)) in places(&drawing).into_iter().zip(places(&again)) {
                     assert_eq!(handle, other, "{name}");
-                    let own = base
-                        .fittings
-                        .iter()
-                        .find(|f| f.source.handle == handle && matches!(f.kind, FittingKind::Furniture(_)));
+                    let own = base.fittings.iter().find(|f| f.source.handle == handle && f.is_furniture());
                     let shift = match own.map(|f| carried(&base.plan, f, &layout)) {
                         Some(Carried::Moves(_, motion)) => motion.shift * base.plan.frame.metres_per_unit,
                         _ => glam::DVec2::ZERO,

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::understand::faults::{Fault, Guards, is_gated};
+use crate::understand::faults::{CROSSING_FREE_M, Fault, Guards, is_gated};
 use crate::understand::named;
 use crate::understand::pieces::Pieces;
 use crate::understand::understood::Understood;
@@ -28,10 +28,6 @@ const HALVINGS: usize = 8;
 /// A way ends at whole thousandths of its unit, if that is a metre, a foot, a degree or a factor.
 const PARTS: f64 = 1e3;
 
-/// A shift that ends before this is none: so far a joint may open, or a wall reach into another, and still hold. Metres of a
-/// person.
-const TOLERATED_M: f64 = 0.025;
-
 /// Other parameters of a group that are tried at their bounds beside one.
 const BESIDE: usize = 2;
 
@@ -45,7 +41,7 @@ struct Walk<'a> {
 }
 
 /// The moves of marks with ways that end where nothing beyond can be built: whatever stands at the far end is allowed, or
-/// the way ends before it. A place on the way may still be forbidden; the search keeps off it. Each is told at its mark.
+/// the way ends before it. A place on the way may still be forbidden; the search keeps off it. Its mark gets a note.
 pub(crate) fn within_reach<'a>(
     base: &Understood,
     groups: impl Iterator<Item = &'a Group> + Clone,
@@ -173,9 +169,10 @@ impl Walk<'_> {
                 (bad, wrong) = (middle, found);
             }
         }
+        // So far a wall may reach into another one, or a joint open, without a fault.
         let is_way = match clause.kind {
             Kind::Rotate(_) | Kind::Scale(_) => true,
-            _ => (good - still).abs() * clause.si_per_unit > TOLERATED_M * self.base.plan.human_scale,
+            _ => (good - still).abs() * clause.si_per_unit > CROSSING_FREE_M * self.base.plan.human_scale,
         };
         let way = if is_way { ((good - still) * PARTS).trunc() / PARTS } else { 0.0 };
         Some((still + way + 0.0, wrong))

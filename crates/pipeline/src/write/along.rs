@@ -7,7 +7,6 @@ use crate::write::made::Made;
 use enfilade_cad::drawing::{SourceRef, place_in};
 use enfilade_moves::Layout;
 use enfilade_moves::carried::{Carried, carried};
-use enfilade_plan::fittings::FittingKind;
 use enfilade_report::Report;
 
 /// Names the texts at doors and windows that go with their wall: nobody can tell whether a text is the door's.
@@ -54,7 +53,7 @@ pub(crate) fn say_stale(report: &mut Report, file: &str, found: &[SourceRef]) {
 pub(crate) fn goes_along_words(base: &Understood, made: &Made) -> String {
     // A door that slides was told as such.
     let follows = |record: usize| !made.layout.slides(&base.plan, record);
-    let parts = base.fittings.iter().filter(|f| !matches!(f.kind, FittingKind::Furniture(_)));
+    let parts = base.fittings.iter().filter(|f| !f.is_furniture());
     let goes = parts.filter(|f| follows(f.source.record));
     let goes = goes.filter(|f| matches!(carried(&base.plan, f, &made.layout), Carried::Moves(..)));
     let mut records: BTreeMap<usize, &str> =
@@ -81,9 +80,9 @@ pub(crate) fn goes_along_words(base: &Understood, made: &Made) -> String {
     }
 }
 
-/// The furniture that goes along with the walls of an option; empty for none.
+/// The furniture that follows the walls of an option; empty for none.
 pub(crate) fn furniture_words(base: &Understood, layout: &Layout) -> String {
-    let furniture = base.fittings.iter().filter(|f| matches!(f.kind, FittingKind::Furniture(_)));
+    let furniture = base.fittings.iter().filter(|f| f.is_furniture());
     let goes = furniture.filter(|f| matches!(carried(&base.plan, f, layout), Carried::Moves(..))).count();
     match goes {
         0 => String::new(),

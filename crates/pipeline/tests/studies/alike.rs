@@ -225,7 +225,7 @@ fn a_flat_of_axes_moves_nearly_alike() {
     }
 }
 
-/// A cupboard that stands at a partition goes along with it, up to what stands before it; a built-in one holds the wall.
+/// A cupboard that stands at a partition follows it up to what stands before it; a built-in one holds the wall.
 #[test]
 fn furniture_goes_along_with_its_wall() {
     let with = |block: &str, at: [f64; 2], more: &str| {
