@@ -1,183 +1,214 @@
-//! Walls that end at a wall that shifts go along with it on their own axes, so that the joint holds (spec 1), where
-//! the file lets them change their length.
+//! One graph of what follows a wall that moves (spec 1), however each wall is drawn: corners of walls drawn point by point
+//! stay on the faces that meet in them, ends of walls that change their length as bodies stay at the wall they stand at.
+
+mod bars;
+mod beside;
+mod corners;
+mod ends;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::bars::Moving;
-use super::followed::{ByRecord, Followed, Follower, direction_of, ends, records, worst};
-use super::mitre::Refusal;
-use super::remains::REST_M;
-use super::{Slid, with_points};
-use enfilade_cad::curve::control_points;
-use enfilade_cad::drawing::{Editable, RigidMotion, Shape};
+pub(super) use bars::{Moving, shift_of};
+pub(super) use beside::{JOINT_M, SIDE_SIN, along};
+pub(super) use ends::Along;
+
+use bars::{Bar, Bars};
+use corners::{Corner, Finder, Turn, cannot_follow, kept_words, too_acute};
+use ends::{Follower, Lengths};
 use enfilade_plan::Plan;
+use enfilade_plan::axes::{AxisGraph, FaceRef};
 use enfilade_plan::graph::{Graph, Handle};
+use enfilade_plan::structure::face_handles;
 
-/// By record: how far both ends go along the wall's axis, metres.
-pub(super) type Lengths = BTreeMap<usize, [f64; 2]>;
+/// Walls that meet at less than this angle are not mitred: the mitre would run far beyond the joint.
+pub const CROSSING_MIN_RAD: f64 = 0.21;
 
-/// All ends that follow.
+/// Control points by wall, plan frame, metres.
+type Places = BTreeMap<u32, Vec<DVec2>>;
+
+/// What keeps walls thick and joined.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Joined {
-    followers: Vec<Follower>,
+    bars: Vec<Bar>,
+    corners: Vec<Corner>,
+    /// The drawn pieces of bars with such corners.
+    faces: Vec<([Handle; 2], usize)>,
+    /// Ends of bodies.
+    ends: Vec<Follower>,
+    /// Control points that follow although no group holds them.
+    followers: BTreeSet<Handle>,
+    /// Walls with a corner that would have to follow and cannot be written.
+    pub stuck: Vec<Stuck>,
 }
 
-/// What both ends of one wall do.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ends {
-    /// Drawing units, positive from the first end to the second.
-    pub by: [f64; 2],
-    along: DVec2,
+/// A wall with a corner that would have to follow.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Stuck {
+    /// Index into [`Plan::walls`].
+    pub wall: u32,
+    /// Whether what it is joined to may turn, or change its length unevenly; else it shifts alone.
+    pub turns: bool,
+    /// What that one may do, in a word: turn or shift.
+    pub may: &'static str,
+    /// Why it cannot follow.
+    pub why: String,
 }
 
-/// What goes along one wall: its ends, and openings in it.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Along {
-    /// Its ends, where its length changes.
-    pub ends: Option<Ends>,
-    /// Its openings that slide.
-    pub slid: Vec<Slid>,
+/// Why a group cannot move as it says.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Refusal {
+    /// The group.
+    pub group: usize,
+    /// In plain words.
+    pub why: String,
 }
 
-impl Along {
-    /// A shape of the wall, moved already, with the corners of its ends and its openings shifted along it.
-    pub fn applied(&self, plan: &Plan, wall: u32, motion: Option<&RigidMotion>, moved: Shape) -> Shape {
-        if self.ends.is_none() && self.slid.is_empty() {
-            return moved;
-        }
-        let turn = DVec2::from_angle(motion.map_or(0.0, |m| m.turn_rad));
-        let mut points = control_points(&moved);
-        if let (Some(e), Editable::Wall { ends, .. }) = (self.ends, &plan.walls[wall as usize].editable) {
-            for (end, by) in ends.iter().zip(e.by) {
-                end.iter().for_each(|c| points[*c as usize] += turn.rotate(e.along) * by);
-            }
-        }
-        for s in &self.slid {
-            let own = plan.slots[s.slot].jambs.iter().flatten().filter(|h| h.0 == wall);
-            own.for_each(|h| points[h.1 as usize] += turn.rotate(s.shift));
-        }
-        with_points(&moved, &points)
-    }
+/// Where one layout puts what follows.
+#[derive(Clone, Debug)]
+pub(super) struct Stand {
+    /// Ends of the bars, plan frame, metres; none where no corner follows.
+    bars: Vec<[DVec2; 2]>,
+    /// How far ends of bodies went.
+    lengths: Lengths,
 }
 
 impl Joined {
-    /// Finds the ends that follow.
+    /// Finds all that needs more than its group's own motion. `is_kept`: whether a node of the graph stays.
     ///
     /// # Errors
-    /// The first group within whose bounds a wall would grow too short.
+    /// The first group that moves a wall meeting another at less than [`CROSSING_MIN_RAD`], or within whose bounds a body
+    /// would grow too short.
     pub fn new(
-        plan: &Plan,
+        (plan, graph, axes): (&Plan, &Graph, &AxisGraph),
         moving: Moving<'_>,
         is_kept: &dyn Fn(u32) -> bool,
-        graph: &Graph,
     ) -> Result<Self, Refusal> {
-        let mut out = Self::default();
         if moving.groups.is_empty() {
-            return Ok(out);
+            return Ok(Self::default());
         }
-        let (ends, by_record) = (ends(plan), ByRecord::new(plan));
-        let turning = turning_records(plan, moving);
-        for group in 0..moving.groups.len() {
-            let own = records(plan, moving, group);
-            if own.iter().any(|r| turning.contains(r)) {
+        let bars = Bars::new(plan, axes, moving);
+        let ends = ends::following((plan, graph, axes), (&bars, moving), is_kept);
+        if let Some(refusal) = ends::too_far(plan, &ends, moving) {
+            return Err(refusal);
+        }
+        let followers = ends.iter().flat_map(|f| f.handles.iter().copied()).collect();
+        let mut out = Self { ends, followers, ..Self::default() };
+        out.take_corners(&Finder { plan, graph, axes, moving, bars: &bars }, is_kept)?;
+        let cornered: BTreeSet<usize> = out.corners.iter().flat_map(|c| c.rule.bars()).collect();
+        let faces = bars.of_face.iter().filter(|(_, b)| cornered.contains(b));
+        let ends = |(f, b): (&FaceRef, &usize)| Some((face_handles(plan, *f).try_into().ok()?, *b));
+        out.faces = faces.filter_map(ends).collect();
+        out.bars = bars.list;
+        Ok(out)
+    }
+
+    fn take_corners(&mut self, finder: &Finder<'_>, is_kept: &dyn Fn(u32) -> bool) -> Result<(), Refusal> {
+        let plan = finder.plan;
+        let of_bodies = self.followers.clone();
+        for node in finder.nodes() {
+            let Some(rule) = finder.rule(node)? else { continue };
+            let mut handles = Vec::new();
+            for h in &finder.graph.handles[node as usize] {
+                let is_own = !finder.moving.of(h).is_empty();
+                let why = is_kept(node).then(|| kept_words(plan).into()).or_else(|| cannot_follow(plan, *h));
+                match why {
+                    Some(_) if is_own || of_bodies.contains(h) => {}
+                    Some(why) => {
+                        let (turns, may) = (finder.turns(rule), finder.may(rule));
+                        self.stuck.push(Stuck { wall: h.0, turns, may, why });
+                    }
+                    None => {
+                        handles.push(*h);
+                        if !is_own {
+                            self.followers.insert(*h);
+                        }
+                    }
+                }
+            }
+            if !handles.is_empty() {
+                self.corners.push(Corner { handles, rule });
+            }
+        }
+        self.stuck.sort();
+        self.stuck.dedup();
+        Ok(())
+    }
+
+    /// Control points that follow although no group holds them, ascending.
+    pub fn followers(&self) -> impl Iterator<Item = &Handle> {
+        self.followers.iter()
+    }
+
+    /// As drawn.
+    pub fn drawn(&self) -> Stand {
+        let is_idle = self.corners.is_empty();
+        let bars = if is_idle { Vec::new() } else { self.bars.iter().map(|b| b.ends).collect() };
+        Stand { bars, lengths: Lengths::default() }
+    }
+
+    /// Goes one step with a group: the ends of bars that it holds, and the ends of bodies that follow it.
+    pub fn step(
+        &self,
+        stand: &mut Stand,
+        at: &mut Places,
+        (group, shift): (usize, DVec2),
+        step: impl Fn(DVec2) -> DVec2,
+    ) {
+        for (bar, ends) in self.bars.iter().zip(&mut stand.bars) {
+            for (groups, end) in bar.groups.iter().zip(ends) {
+                if groups.contains(&group) {
+                    *end = step(*end);
+                }
+            }
+        }
+        for follower in self.ends.iter().filter(|f| f.group == group) {
+            let way = follower.way(shift);
+            stand.lengths.entry(follower.record).or_default()[follower.end] += way;
+            for (w, c) in &follower.handles {
+                if let Some(points) = at.get_mut(w) {
+                    points[*c as usize] += follower.along * way;
+                }
+            }
+        }
+    }
+
+    /// Puts every corner on its faces, after all steps. `start`: as drawn.
+    pub fn place(&self, stand: &Stand, start: &Places, at: &mut Places) {
+        for corner in &self.corners {
+            let has_moved = |b: &usize| stand.bars[*b] != self.bars[*b].ends;
+            if !corner.rule.bars().iter().any(has_moved) {
                 continue;
             }
-            let walls: Vec<Followed> = own.iter().filter_map(|r| Followed::new(&by_record, *r)).collect();
-            for end in ends.iter().filter(|e| !own.contains(&e.record) && !turning.contains(&e.record)) {
-                if out.followers.iter().any(|f| (f.record, f.end) == (end.record, end.end)) {
-                    continue;
-                }
-                let node = |h: &Handle| graph.control_nodes[h.0 as usize][h.1 as usize];
-                if end.handles.iter().any(|h| is_kept(node(h))) {
-                    continue;
-                }
-                let at = end.corners(plan);
-                let Some(wall) = walls.iter().find(|w| w.is_joined_at(&at)) else { continue };
-                if wall.holds_both_ends(end, &ends, plan) {
-                    continue;
-                }
-                let follower = Follower { group, normal: wall.normal, ..end.clone() };
-                if follower.is_moved(moving) {
-                    out.followers.push(follower);
+            for (w, c) in &corner.handles {
+                if let (Some(from), Some(to)) = (start.get(w), at.get_mut(w)) {
+                    to[*c as usize] = corner.rule.moved(&self.bars, from[*c as usize], &stand.bars);
                 }
             }
         }
-        out.followers.extend((0..moving.groups.len()).flat_map(|g| sides_of(plan, moving, g)));
-        match out.too_far(plan, moving) {
-            Some(refusal) => Err(refusal),
-            None => Ok(out),
-        }
-    }
-
-    /// The ends that follow one group.
-    pub fn of_group(&self, group: usize) -> impl Iterator<Item = &Follower> {
-        self.followers.iter().filter(move |f| f.group == group)
-    }
-
-    /// All control points of ends that follow.
-    pub fn handles(&self) -> impl Iterator<Item = &Handle> {
-        self.followers.iter().flat_map(|f| &f.handles)
     }
 
     /// What the ends of a wall and its openings do.
-    pub fn along_of(&self, plan: &Plan, wall: u32, lengths: &Lengths) -> Along {
-        let (record, per_m) = (plan.walls[wall as usize].source.record, 1.0 / plan.frame.metres_per_unit);
-        let of = |record: usize| {
-            let by = lengths.get(&record)?.map(|m| m * per_m);
-            let along = self.followers.iter().find(|f| f.record == record)?.along;
-            (by != [0.0; 2]).then_some(Ends { by, along })
-        };
-        let own = plan.slots.iter().enumerate().filter(|(_, s)| s.host == record);
-        let slid = own.filter_map(|(slot, s)| {
-            let Ends { by, along } = of(s.source.record)?;
-            Some(Slid { slot, shift: along * by[0] })
-        });
-        Along { ends: of(record), slid: slid.collect() }
+    pub fn along_of(&self, plan: &Plan, wall: u32, stand: &Stand) -> Along {
+        ends::along_of(plan, &self.ends, wall, &stand.lengths)
     }
 
-    /// The last group of those that together draw an end back behind a part of its wall's body that stays.
-    fn too_far(&self, plan: &Plan, moving: Moving<'_>) -> Option<Refusal> {
-        for wall in &plan.walls {
-            let Editable::Wall { free, .. } = &wall.editable else { continue };
-            let free_m = free.map(|way| way * plan.frame.metres_per_unit - REST_M * plan.human_scale);
-            let mut inward = [0.0; 2];
-            for f in self.followers.iter().filter(|f| f.record == wall.source.record) {
-                inward[f.end] += worst(f, moving);
-                if inward[f.end] > 0.0 && inward[f.end] > free_m[f.end].max(0.0) {
-                    let why = format!(
-                        "would leave less than {REST_M} m of the wall #{} between its joints and openings",
-                        wall.source.record
-                    );
-                    return Some(Refusal { group: f.group, why });
-                }
-            }
+    /// Why a layout cannot be built: walls that meet at too small an angle, a face turned end for end.
+    pub fn trouble(&self, stand: &Stand, start: &Places, at: &Places) -> Option<String> {
+        if self.corners.iter().any(|c| c.rule.is_acute(&self.bars, &stand.bars)) {
+            return Some(too_acute());
         }
-        None
+        let is_reversed = |(handles, b): &([Handle; 2], usize)| {
+            let find = |of: &Places| {
+                let [p, q] = handles.map(|h| Some(of.get(&h.0)?[h.1 as usize]));
+                Some(q? - p?)
+            };
+            let (Some(drawn), Some(now)) = (find(start), find(at)) else { return false };
+            let turn = Turn::new(&self.bars[*b], stand.bars[*b]);
+            drawn != DVec2::ZERO && now.dot(turn.turned(drawn)) <= 0.0
+        };
+        let is_short = self.faces.iter().any(is_reversed);
+        is_short.then(|| "would make a wall shorter than its joints need".into())
     }
-}
-
-/// Both sides of the openings that a group slides; they go as it does.
-fn sides_of(plan: &Plan, moving: Moving<'_>, group: usize) -> impl Iterator<Item = Follower> {
-    let slots = moving.groups[group].slots.iter().map(|s| &plan.slots[*s]);
-    slots.flat_map(move |s| {
-        (0..2).map(move |end| Follower {
-            group,
-            record: s.source.record,
-            end,
-            handles: s.jambs[end].clone(),
-            along: s.along,
-            normal: s.along,
-        })
-    })
-}
-
-/// Records of walls that turn: their axes are no guide.
-fn turning_records(plan: &Plan, moving: Moving<'_>) -> BTreeSet<usize> {
-    let turns = |g: &usize| {
-        let mut own = moving.parameters.iter().filter(|p| p.group == *g);
-        own.any(|p| direction_of(p.clause.kind).is_none())
-    };
-    (0..moving.groups.len()).filter(turns).flat_map(|g| records(plan, moving, g)).collect()
 }

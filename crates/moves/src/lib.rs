@@ -24,17 +24,14 @@
 //! ```
 
 mod axial;
-mod bars;
 pub mod carried;
 pub mod control;
 pub mod defaults;
 pub mod doorways;
-mod followed;
 mod furniture;
 pub mod idle;
 pub mod jambs;
 mod joined;
-mod mitre;
 pub mod narrowed;
 mod neighbours;
 pub mod opened;
@@ -51,9 +48,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use bars::Moving;
-use joined::Joined;
-use mitre::{Mitre, Refusal, Stuck};
+use joined::{Along, Joined, Moving, Refusal, Stand, Stuck};
 use remains::{Ledger, REST_M, Stretches};
 use shortened::Holding;
 
@@ -129,9 +124,7 @@ pub struct Moves {
     pub least_m: f64,
     /// Control points of the moving walls as drawn, plan frame, metres.
     start: BTreeMap<u32, Vec<DVec2>>,
-    /// The corners of thick walls that follow their faces.
-    mitre: Mitre,
-    /// The ends of walls that change their length with a wall they are joined to.
+    /// What follows, so that walls stay thick and joined.
     joined: Joined,
     /// The sides of walls that become longer or shorter.
     stretches: Stretches,
@@ -245,7 +238,7 @@ impl Moves {
         let held = held(plan, graph, (groups, records), report);
         let held = held.into_iter().map(|(i, group)| Holding::new(&groups[i].0, group)).collect();
         let out = shortened::as_far_as_joints_hold((plan, graph, axes), held, report);
-        out.mitre.stuck.iter().for_each(|stuck| say_stuck(plan, stuck, report));
+        out.joined.stuck.iter().for_each(|stuck| say_stuck(plan, stuck, report));
         out
     }
 
@@ -260,9 +253,7 @@ impl Moves {
             out.groups.push(nodes.clone());
         }
         let moving = Moving { groups: &out.groups, parameters: &out.parameters };
-        out.joined = Joined::new(plan, moving, &|n| is_kept(plan, graph, n), graph)?;
-        let follows = out.joined.handles().copied().collect();
-        out.mitre = Mitre::new(plan, graph, axes, moving, &|n| is_kept(plan, graph, n), &follows)?;
+        out.joined = Joined::new((plan, graph, axes), moving, &|n| is_kept(plan, graph, n))?;
         let walls: BTreeSet<u32> = out.handles().map(|h| h.0).collect();
         out.rigid = walls.iter().copied().filter(|w| moves_whole(plan, *w)).collect();
         for w in &walls {
@@ -277,10 +268,10 @@ impl Moves {
         }
     }
 
-    /// All control points that can move: those of the groups, and those of joints that follow.
+    /// All control points that can move: those of the groups, and those that follow.
     pub fn handles(&self) -> impl Iterator<Item = &Handle> {
         let own = self.groups.iter().flat_map(|g| &g.handles);
-        own.chain(&self.mitre.followers).chain(self.joined.handles())
+        own.chain(self.joined.followers())
     }
 
     /// The first group that breaks a joint where all its parameters stand at a bound, in any combination, or leaves too
@@ -291,7 +282,7 @@ impl Moves {
             let mut most: Vec<f64> = Vec::new();
             for p in self.corners_of(group) {
                 let placed = self.placed(plan, graph, &p);
-                if let Some(why) = self.mitre.trouble(&self.start, &placed.ends, &placed.at) {
+                if let Some(why) = self.joined.trouble(&placed.stand, &self.start, &placed.at) {
                     return Some(Refusal { group, why });
                 }
                 let shrunk = self.stretches.shrunk(&placed.at);
@@ -350,7 +341,7 @@ impl Moves {
     pub fn apply(&self, plan: &Plan, graph: &Graph, p: &[f64]) -> Layout {
         let placed = self.placed(plan, graph, p);
         let wall = |w: &u32| {
-            let along = self.joined.along_of(plan, *w, &placed.lengths);
+            let along = self.joined.along_of(plan, *w, &placed.stand);
             moved_wall(plan, *w, &placed.at[w], placed.motions.get(w), along)
         };
         Layout { walls: self.walls.iter().map(wall).collect() }
@@ -359,13 +350,12 @@ impl Moves {
     /// Control points of the moving walls and ends of thick walls (plan frame), and motions of what moves whole.
     fn placed(&self, plan: &Plan, graph: &Graph, p: &[f64]) -> Placed {
         let mut at = self.start.clone();
-        let mut ends = self.mitre.ends();
+        let mut stand = self.joined.drawn();
         let mut motions: BTreeMap<u32, RigidMotion> = BTreeMap::new();
         let still = RigidMotion { turn_rad: 0.0, shift: DVec2::ZERO };
         for w in &self.rigid {
             motions.insert(*w, still);
         }
-        let mut lengths = joined::Lengths::default();
         for (parameter, value) in self.parameters.iter().zip(p) {
             let group = &self.groups[parameter.group];
             if *value == parameter.clause.kind.identity() {
@@ -375,16 +365,8 @@ impl Moves {
             if self.is_none(group, &step, &at) {
                 continue;
             }
-            self.mitre.step(&mut ends, parameter.group, |p| step.apply(p));
-            for follower in self.joined.of_group(parameter.group) {
-                let way = follower.way(step.shift);
-                lengths.entry(follower.record).or_default()[follower.end] += way;
-                for (w, c) in &follower.handles {
-                    if let Some(points) = at.get_mut(w) {
-                        points[*c as usize] += follower.along * way;
-                    }
-                }
-            }
+            let by = (parameter.group, step.shift);
+            self.joined.step(&mut stand, &mut at, by, |p| step.apply(p));
             for (w, c) in &group.handles {
                 if let Some(points) = at.get_mut(w) {
                     points[*c as usize] = step.apply(points[*c as usize]);
@@ -398,8 +380,8 @@ impl Moves {
                 }
             }
         }
-        self.mitre.place(&self.start, &ends, &mut at);
-        Placed { at, ends, motions, lengths }
+        self.joined.place(&stand, &self.start, &mut at);
+        Placed { at, stand, motions }
     }
 
     /// Leaves out some parameters; they are remembered, so that an option of an earlier round still fits.
@@ -435,12 +417,10 @@ impl Moves {
 struct Placed {
     /// Control points by wall.
     at: BTreeMap<u32, Vec<DVec2>>,
-    /// Ends of thick walls.
-    ends: Vec<[DVec2; 2]>,
+    /// What follows.
+    stand: Stand,
     /// Motions of walls that move whole.
     motions: BTreeMap<u32, RigidMotion>,
-    /// How far the ends of walls go that change their length.
-    lengths: joined::Lengths,
 }
 
 /// A group as it is marked, with the nodes in it.
@@ -672,13 +652,7 @@ fn refusal(plan: &Plan, graph: &Graph, group: &Group, w: u32, handles: &BTreeSet
     None
 }
 
-fn moved_wall(
-    plan: &Plan,
-    w: u32,
-    at: &[DVec2],
-    motion: Option<&RigidMotion>,
-    along: joined::Along,
-) -> MovedWall {
+fn moved_wall(plan: &Plan, w: u32, at: &[DVec2], motion: Option<&RigidMotion>, along: Along) -> MovedWall {
     let wall = &plan.walls[w as usize];
     let frame = &plan.frame;
     let points: Vec<DVec2> = enfilade_cad::curve::control_points(&wall.shape)

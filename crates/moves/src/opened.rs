@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::followed::JOINT_M;
+use super::joined::JOINT_M;
 use super::struck::box_of;
 use super::{Layout, MovedWall, Moves};
 use enfilade_cad::drawing::{Format, RigidMotion};

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::followed::{SIDE_SIN, along};
+use super::joined::{SIDE_SIN, along};
 use enfilade_cad::drawing::Editable;
 use enfilade_plan::Plan;
 use enfilade_plan::axes::tolerances::ERROR_GAP_M;
@@ -16,7 +16,7 @@ use enfilade_plan::structure::{face_handles, handle_at};
 pub(super) const REST_M: f64 = 0.1;
 
 /// Rounding of places, metres.
-const NOISE_M: f64 = 1e-6;
+pub(super) const NOISE_M: f64 = 1e-6;
 
 /// Where control points stand, by wall; plan frame, metres.
 type Places = BTreeMap<u32, Vec<DVec2>>;

@@ -85,34 +85,55 @@ fn shorter(
         return None;
     }
     let farthest = |mut tried: Vec<Holding>, at: usize| {
-        let mut holds = |shares: [f64; 2]| {
-            tried[at].marker.clauses = drawn.iter().map(|c| shortened(c, shares)).collect();
+        let mut holds = |ends: [End; 2]| {
+            tried[at].marker.clauses = drawn.iter().map(|c| shortened(c, ends)).collect();
             !Moves::mitred(plan, graph, axes, &tried).is_err_and(|refusal| refusal.group == at)
         };
-        let mut shares = [0.0; 2];
+        let mut found = [End::inward(0.0); 2];
         for end in 0..2 {
-            let only = |share: f64| if end == 0 { [share, 0.0] } else { [shares[0], share] };
-            let (mut good, mut bad) = if holds(only(1.0)) { (1.0, 1.0) } else { (0.0, 1.0) };
+            let only = |to: End| if end == 0 { [to, End::inward(0.0)] } else { [found[0], to] };
+            let (mut good, mut bad) = if holds(only(End::inward(1.0))) { (1.0, 1.0) } else { (0.0, 1.0) };
             for _ in 0..if good < bad { HALVINGS } else { 0 } {
                 let middle = f64::midpoint(good, bad);
-                *(if holds(only(middle)) { &mut good } else { &mut bad }) = middle;
+                *(if holds(only(End::inward(middle))) { &mut good } else { &mut bad }) = middle;
             }
-            shares[end] = good;
+            let outward = End { share: good, is_outward: true };
+            found[end] = if good < bad && holds(only(outward)) { outward } else { End::inward(good) };
         }
-        shares
+        found
     };
+    let is_whole = |ends: &[End; 2]| ends.iter().all(|e| e.share == 1.0);
     let alone = farthest(vec![held[at].clone()], 0);
-    let shares = if alone == [1.0; 2] { farthest(held.to_vec(), at) } else { alone };
-    let is_some = shares.iter().any(|s| *s > LEAST_SHARE) && shares != [1.0; 2];
-    is_some.then(|| drawn.iter().map(|c| shortened(c, shares)).collect())
+    let ends = if is_whole(&alone) { farthest(held.to_vec(), at) } else { alone };
+    let is_some = ends.iter().any(|e| e.share > LEAST_SHARE) && !is_whole(&ends);
+    is_some.then(|| drawn.iter().map(|c| shortened(c, ends)).collect())
 }
 
-/// A clause with its ends at a share of their ways, rounded inwards to thousandths of its unit.
-fn shortened(clause: &Clause, [lower, upper]: [f64; 2]) -> Clause {
+/// Where a way ends.
+#[derive(Clone, Copy)]
+struct End {
+    /// Share of the way that was stated.
+    share: f64,
+    /// Whether it is rounded to the next thousandth of its unit outwards; else inwards.
+    is_outward: bool,
+}
+
+impl End {
+    fn inward(share: f64) -> Self {
+        Self { share, is_outward: false }
+    }
+}
+
+/// A clause with its ends at a share of their ways, rounded to thousandths of its unit.
+fn shortened(clause: &Clause, [lower, upper]: [End; 2]) -> Clause {
     let still = clause.kind.identity();
-    let way = |end: f64, share: f64| match share {
-        1.0 => end,
-        _ => still + ((end - still) * share * 1e3).trunc() / 1e3,
+    let way = |end: f64, to: End| {
+        let thousandths = (end - still) * to.share * 1e3;
+        match to {
+            _ if to.share == 1.0 => end,
+            End { is_outward: true, .. } => still + thousandths.signum() * thousandths.abs().ceil() / 1e3,
+            _ => still + thousandths.trunc() / 1e3,
+        }
     };
     Clause { lower: way(clause.lower, lower), upper: way(clause.upper, upper), ..clause.clone() }
 }

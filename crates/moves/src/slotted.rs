@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::followed::direction_of;
+use super::joined::shift_of;
 use super::remains::REST_M;
 use enfilade_cad::drawing::place_in;
 use enfilade_plan::Plan;
@@ -21,7 +21,7 @@ pub(super) fn slots_of(plan: &Plan, group: &Group, only: Option<&BTreeSet<usize>
 /// A group of openings with ways that end before their walls do; what is shortened or left out is told.
 pub(super) fn within_walls(plan: &Plan, group: &Group, slots: &[usize], report: &mut Report) -> Group {
     let mut out = group.clone();
-    out.clauses.retain(|c| direction_of(c.kind).is_some());
+    out.clauses.retain(|c| shift_of(c.kind).is_some());
     let place = || place_in(&plan.file, &group.source);
     if out.clauses.len() < group.clauses.len() {
         let text = format!(
@@ -31,7 +31,7 @@ pub(super) fn within_walls(plan: &Plan, group: &Group, slots: &[usize], report: 
         report.warn("move-clause-unused", place(), text);
     }
     let per_unit = |c: &Clause, slot: usize| {
-        direction_of(c.kind).map_or(0.0, |d| d.dot(plan.slots[slot].along)) * c.si_per_unit
+        shift_of(c.kind).map_or(0.0, |d| d.dot(plan.slots[slot].along)) * c.si_per_unit
     };
     for slot in slots {
         let is_along = |c: &&Clause| per_unit(c, *slot).abs() > ALONG_MIN * c.si_per_unit;

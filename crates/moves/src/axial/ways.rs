@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use glam::DVec2;
 
 use super::super::doorways::CLEAR_MIN_M;
-use super::super::followed::along;
-use super::super::mitre::CROSSING_MIN_RAD;
+use super::super::joined::CROSSING_MIN_RAD;
+use super::super::joined::along;
 use super::super::neighbours::Piece;
 use super::super::sizes::PARTITION_SLIDE_M;
 use super::super::sliding::clipped;

@@ -1,7 +1,7 @@
 //! Joints of a building: who holds whom, who is carried, and which open.
 
 use super::*;
-use crate::mitre::Stuck;
+use crate::joined::Stuck;
 use crate::opened::{Joints, Opened};
 use crate::say_stuck;
 use enfilade_plan::OPENING_LAYER;

@@ -187,13 +187,25 @@ fn a_flat_moves_alike_however_it_is_drawn() {
     }
 }
 
-/// The ends of multilines follow the wall that they stand at.
+/// The ends of multilines follow the wall that they stand at, however that one is drawn, and other walls follow them.
 #[test]
-fn multilines_follow_each_other() {
-    let entities = boxes(multiline);
-    for mark in MARKS {
-        let [(_, way)] = &ways(&marked(&entities, mark))[..] else { panic!("{mark:?}") };
-        assert!((0..2).all(|k| (way[k] - mark.2[k]).abs() < 0.002), "{mark:?}: {way:?}");
+fn multilines_follow_and_are_followed() {
+    let is_upright = |r: &Rect| r[0] == 4.0;
+    let is_beyond = |r: &Rect| [4.1, 5.5, 6.5].contains(&r[0]);
+    let some = |is_one: &dyn Fn(&Rect) -> bool, other: fn(Rect) -> String| {
+        boxes(|r| if is_one(&r) { multiline(r) } else { other(r) })
+    };
+    let drawn = [
+        ("all", boxes(multiline)),
+        ("at boxes", some(&is_beyond, ring)),
+        ("at boxes of lines", some(&is_beyond, |r| sides(&corners(r)))),
+        ("beside boxes", some(&is_upright, ring)),
+    ];
+    for (name, entities) in &drawn {
+        for mark in MARKS {
+            let [(_, way)] = &ways(&marked(entities, mark))[..] else { panic!("{name} {mark:?}") };
+            assert!((0..2).all(|k| (way[k] - mark.2[k]).abs() < 0.001), "{name} {mark:?}: {way:?}");
+        }
     }
 }
 

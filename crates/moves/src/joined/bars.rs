@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::{NodeGroup, Parameter};
+use crate::{NodeGroup, Parameter};
 use enfilade_plan::Plan;
 use enfilade_plan::axes::{AxisGraph, FaceRef};
 use enfilade_plan::graph::{Handle, NODE_JOIN_M};
@@ -75,7 +75,7 @@ pub(super) struct Bars {
 
 /// The groups with their parameters.
 #[derive(Clone, Copy)]
-pub(super) struct Moving<'a> {
+pub(crate) struct Moving<'a> {
     pub groups: &'a [NodeGroup],
     pub parameters: &'a [Parameter],
 }
@@ -107,12 +107,21 @@ impl Moving<'_> {
         self.kinds(groups).all(|k| shift_of(k).is_some())
     }
 
+    /// Those of a group's own transformations that shift, and how far each goes at its bounds, SI.
+    pub fn shifts(&self, group: usize) -> impl Iterator<Item = (DVec2, [f64; 2])> + '_ {
+        let own = self.parameters.iter().filter(move |p| p.group == group);
+        own.filter_map(|p| {
+            let si = p.clause.si_per_unit;
+            Some((shift_of(p.clause.kind)?, [p.clause.lower * si, p.clause.upper * si]))
+        })
+    }
+
     fn scales(&self, groups: &[usize]) -> bool {
         self.kinds(groups).any(|k| matches!(k, Kind::Scale(_)))
     }
 }
 
-fn shift_of(kind: Kind) -> Option<DVec2> {
+pub(crate) fn shift_of(kind: Kind) -> Option<DVec2> {
     match kind {
         Kind::X => Some(DVec2::X),
         Kind::Y => Some(DVec2::Y),

@@ -1,43 +1,25 @@
-//! Walls that follow a moving one by their ends: by record, and how far each is off its own line.
+//! The sides of a wall at which others end.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::bars::Moving;
-use super::mitre::CROSSING_MIN_RAD;
+use super::CROSSING_MIN_RAD;
+use super::bars::Bar;
+use super::ends::Follower;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::Editable;
 use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
+use enfilade_plan::axes::AxisGraph;
 use enfilade_plan::graph::Handle;
-use enfilade_plan::markers::Kind;
+use enfilade_plan::structure::face_handles;
 use enfilade_plan::{Plan, Plug, Wall};
 
 /// An end of a wall this near to another wall is joined to it.
-pub(super) const JOINT_M: f64 = 0.02;
+pub(crate) const JOINT_M: f64 = 0.02;
 
 /// Pieces whose direction differs by more than this sine from that of their wall are no sides of it.
-pub(super) const SIDE_SIN: f64 = 0.02;
-
-/// An end that goes less far than this share of a shift stays.
-const STILL: f64 = 1e-6;
-
-/// An end of a wall that follows a group.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Follower {
-    /// The group that it follows.
-    pub group: usize,
-    /// Record of its wall.
-    pub record: usize,
-    /// Which of its two ends.
-    pub end: usize,
-    /// The control points of that end.
-    pub handles: Vec<Handle>,
-    /// Unit vector along its wall, from the first end to the second, plan frame.
-    pub along: DVec2,
-    /// Unit normal of the wall that is followed.
-    pub normal: DVec2,
-}
+pub(crate) const SIDE_SIN: f64 = 0.02;
 
 /// Outlines and plugs of a plan by the record of their wall.
 pub(super) struct ByRecord<'p> {
@@ -65,84 +47,8 @@ impl<'p> ByRecord<'p> {
     }
 }
 
-impl Follower {
-    /// How far the end goes along its own wall where the wall it ends at shifts: its face stays on the other's.
-    pub fn way(&self, shift: DVec2) -> f64 {
-        let across = self.normal.dot(self.along);
-        if across.abs() < CROSSING_MIN_RAD.sin() {
-            return shift.dot(self.along);
-        }
-        shift.dot(self.normal) / across
-    }
-
-    /// Where its control points stand.
-    pub fn corners(&self, plan: &Plan) -> Vec<PointUm> {
-        let at = |h: &Handle| control_points(&plan.walls[h.0 as usize].shape)[h.1 as usize];
-        self.handles.iter().map(|h| plan.frame.um_from_file(at(h))).collect()
-    }
-
-    /// Whether its group ever shifts it.
-    pub fn is_moved(&self, moving: Moving<'_>) -> bool {
-        let own = moving.parameters.iter().filter(|p| p.group == self.group);
-        own.filter_map(|p| direction_of(p.clause.kind)).any(|d| self.way(d).abs() > STILL)
-    }
-}
-
-/// How far into its own wall an end goes at most.
-pub(super) fn worst(f: &Follower, moving: Moving<'_>) -> f64 {
-    let inward = if f.end == 0 { 1.0 } else { -1.0 };
-    let of = |p: &super::Parameter| {
-        let Some(direction) = direction_of(p.clause.kind) else { return 0.0 };
-        let way = |v: f64| inward * f.way(direction * (v * p.clause.si_per_unit));
-        way(p.clause.lower).max(way(p.clause.upper)).max(0.0)
-    };
-    moving.parameters.iter().filter(|p| p.group == f.group).map(of).sum()
-}
-
-/// The direction of a shift.
-pub(super) fn direction_of(kind: Kind) -> Option<DVec2> {
-    match kind {
-        Kind::X => Some(DVec2::X),
-        Kind::Y => Some(DVec2::Y),
-        Kind::Along(angle) => Some(DVec2::from_angle(angle)),
-        Kind::Rotate(_) | Kind::Scale(_) => None,
-    }
-}
-
-/// Records of the walls that a group moves.
-pub(super) fn records(plan: &Plan, moving: Moving<'_>, group: usize) -> BTreeSet<usize> {
-    let walls = moving.groups[group].handles.iter().map(|h| &plan.walls[h.0 as usize]);
-    walls.filter(|w| w.editable.moves_whole()).map(|w| w.source.record).collect()
-}
-
-/// All ends of walls that can change their length, in the order of their records, as followers of nobody.
-pub(super) fn ends(plan: &Plan) -> Vec<Follower> {
-    let mut by_record: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
-    for (w, wall) in plan.walls.iter().enumerate() {
-        if matches!(wall.editable, Editable::Wall { .. }) {
-            by_record.entry(wall.source.record).or_default().push(w as u32);
-        }
-    }
-    let of = |(record, walls): (usize, Vec<u32>)| {
-        let along = along(plan, &walls);
-        let mut ends: [Vec<Handle>; 2] = Default::default();
-        for w in walls {
-            let Editable::Wall { ends: own, .. } = &plan.walls[w as usize].editable else { continue };
-            for (list, corners) in ends.iter_mut().zip(own) {
-                list.extend(corners.iter().map(|c| (w, *c)));
-            }
-        }
-        let one = move |(end, handles): (usize, Vec<Handle>)| {
-            let along = along.filter(|_| !handles.is_empty())?;
-            Some(Follower { group: 0, record, end, handles, along, normal: DVec2::ZERO })
-        };
-        ends.into_iter().enumerate().filter_map(one)
-    };
-    by_record.into_iter().flat_map(of).collect()
-}
-
 /// A wall that others may be joined to, by its sides.
-pub(super) struct Followed {
+pub(super) struct Beside {
     pieces: Vec<Segment>,
     /// Lowest and highest coordinates that are near enough to be joined, micrometres.
     box_um: [[i64; 2]; 2],
@@ -150,13 +56,29 @@ pub(super) struct Followed {
     pub normal: DVec2,
 }
 
-impl Followed {
+impl Beside {
     /// The outlines of a record.
-    pub fn new(by_record: &ByRecord<'_>, record: usize) -> Option<Self> {
+    pub fn record(by_record: &ByRecord<'_>, record: usize) -> Option<Self> {
         // A door at its end stands between it and what ends there.
         let plugs = by_record.plugs(record).map(|p| &p.outline);
         let own = by_record.walls(record).map(|w| &w.trace);
-        let pieces: Vec<Segment> = own.chain(plugs).flat_map(|t| t.segments().map(|s| s.2)).collect();
+        Self::new(own.chain(plugs).flat_map(|t| t.segments().map(|s| s.2)).collect())
+    }
+
+    /// The faces of a bar that are drawn point by point; none where a record moves it whole.
+    pub fn bar(plan: &Plan, axes: &AxisGraph, bar: &Bar) -> Option<Self> {
+        let edges = bar.edges.iter().map(|e| &axes.edges[*e as usize]);
+        let faces = edges.flat_map(|e| e.left.iter().chain(&e.right).chain(&e.inner));
+        let free = faces.filter(|f| plan.walls[f.0 as usize].editable == Editable::Free);
+        let piece = |f| {
+            let [a, b] = face_handles(plan, f)[..] else { return None };
+            let [a, b] = [a, b].map(|h| place_um(plan, h));
+            Some(Segment { a, b })
+        };
+        Self::new(free.filter_map(|f| piece(*f)).collect())
+    }
+
+    fn new(pieces: Vec<Segment>) -> Option<Self> {
         let run = |s: &Segment| DVec2::new((s.b[0] - s.a[0]) as f64, (s.b[1] - s.a[1]) as f64);
         let longest = pieces.iter().map(run).max_by(|a, b| a.length().total_cmp(&b.length()))?;
         // What touches the end of a wall is what that wall ends at.
@@ -192,8 +114,13 @@ impl Followed {
     }
 }
 
+/// Where a control point is drawn.
+pub(super) fn place_um(plan: &Plan, (wall, corner): Handle) -> PointUm {
+    plan.frame.um_from_file(control_points(&plan.walls[wall as usize].shape)[corner as usize])
+}
+
 /// The direction of a wall from its first end to its second: its longest piece that ends at one of them.
-pub(super) fn along(plan: &Plan, walls: &[u32]) -> Option<DVec2> {
+pub(crate) fn along(plan: &Plan, walls: &[u32]) -> Option<DVec2> {
     let mut best = DVec2::ZERO;
     for wall in walls.iter().map(|w| &plan.walls[*w as usize]) {
         let Editable::Wall { ends: [first, second], .. } = &wall.editable else { continue };

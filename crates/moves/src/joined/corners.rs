@@ -1,20 +1,18 @@
-//! Joints of thick walls (spec 1): where an end of a wall moves, its faces keep their distance from the axis,
+//! Corners of walls drawn point by point (spec 1): where an end of a wall moves, its faces keep their distance from the axis,
 //! and every corner stays on the two faces that meet in it, also with a wall that stands still.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use glam::DVec2;
 
 use super::bars::{Bar, Bars, Motion, Moving};
+use super::{CROSSING_MIN_RAD, Refusal};
 use enfilade_cad::drawing::{Editable, Format, Shape};
 use enfilade_plan::Plan;
 use enfilade_plan::axes::tolerances::ERROR_GAP_M;
 use enfilade_plan::axes::{AxisGraph, FaceRef};
 use enfilade_plan::graph::{Graph, Handle};
 use enfilade_plan::structure::{face_handles, handle_at};
-
-/// Walls that meet at less than this angle are not mitred: the mitre would run far beyond the joint.
-pub const CROSSING_MIN_RAD: f64 = 0.21;
 
 /// Faces whose directions differ by less than this are one face that bends at the joint.
 const STRAIGHT_RAD: f64 = 0.02;
@@ -30,14 +28,14 @@ const BEND_COS_MIN: f64 = 0.3;
 
 /// A face line at a corner: the bar that it belongs to, if one, and its direction as drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Line {
+pub(super) struct Line {
     bar: Option<usize>,
     direction: DVec2,
 }
 
 /// How a corner follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Rule {
+pub(super) enum Rule {
     /// It stays on both lines.
     Meet([Line; 2]),
     /// It stays on both of two faces that go straight on: bars and their ends.
@@ -50,139 +48,21 @@ enum Rule {
 
 /// One corner with all control points that meet in it.
 #[derive(Clone, Debug, PartialEq)]
-struct Corner {
-    handles: Vec<Handle>,
-    rule: Rule,
+pub(super) struct Corner {
+    pub handles: Vec<Handle>,
+    pub rule: Rule,
 }
 
-/// What keeps thick walls thick and joined.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Mitre {
-    bars: Vec<Bar>,
-    corners: Vec<Corner>,
-    /// The drawn pieces of bars with such corners.
-    faces: Vec<([Handle; 2], usize)>,
-    /// Control points that follow although no group holds them, ascending.
-    pub followers: Vec<Handle>,
-    /// Walls with a corner that would have to follow and cannot be written.
-    pub stuck: Vec<Stuck>,
+pub(super) fn too_acute() -> String {
+    format!("would make walls meet at less than {:.0}°, where no mitre holds", CROSSING_MIN_RAD.to_degrees())
 }
 
-/// A wall with a corner that would have to follow.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Stuck {
-    /// Index into [`Plan::walls`].
-    pub wall: u32,
-    /// Whether what it is joined to may turn, or change its length unevenly; else it shifts alone.
-    pub turns: bool,
-    /// What that one may do, in a word: turn or shift.
-    pub may: &'static str,
-    /// Why it cannot follow.
-    pub why: String,
-}
-
-/// Why a group cannot move as it says.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Refusal {
-    /// The group.
-    pub group: usize,
-    /// In plain words.
-    pub why: String,
-}
-
-impl Mitre {
-    /// Finds all corners that need more than their group's own motion. `follows`: control points that go along
-    /// their wall by themselves.
-    ///
-    /// # Errors
-    /// The first group that moves a wall meeting another at less than [`CROSSING_MIN_RAD`].
-    pub fn new(
-        plan: &Plan,
-        graph: &Graph,
-        axes: &AxisGraph,
-        moving: Moving<'_>,
-        is_kept: &dyn Fn(u32) -> bool,
-        follows: &BTreeSet<Handle>,
-    ) -> Result<Self, Refusal> {
-        let bars = Bars::new(plan, axes, moving);
-        let finder = Finder { plan, graph, axes, moving, bars: &bars };
-        let mut out = Self::default();
-        let mut followers: BTreeSet<Handle> = BTreeSet::new();
-        for node in finder.nodes() {
-            let Some(rule) = finder.rule(node)? else { continue };
-            let mut handles = Vec::new();
-            for h in &graph.handles[node as usize] {
-                let is_own = !moving.of(h).is_empty();
-                let why = is_kept(node).then(|| kept_words(plan).into()).or_else(|| cannot_follow(plan, *h));
-                match why {
-                    Some(_) if is_own || follows.contains(h) => {}
-                    Some(why) => {
-                        let (turns, may) = (finder.turns(rule), finder.may(rule));
-                        out.stuck.push(Stuck { wall: h.0, turns, may, why });
-                    }
-                    None => {
-                        handles.push(*h);
-                        if !is_own {
-                            followers.insert(*h);
-                        }
-                    }
-                }
-            }
-            if !handles.is_empty() {
-                out.corners.push(Corner { handles, rule });
-            }
-        }
-        out.followers = followers.into_iter().collect();
-        let cornered: BTreeSet<usize> = out.corners.iter().flat_map(|c| c.rule.bars()).collect();
-        let faces = bars.of_face.iter().filter(|(_, b)| cornered.contains(b));
-        let ends = |(f, b): (&FaceRef, &usize)| Some((face_handles(plan, *f).try_into().ok()?, *b));
-        out.faces = faces.filter_map(ends).collect();
-        out.bars = bars.list;
-        out.stuck.sort();
-        out.stuck.dedup();
-        Ok(out)
-    }
-
-    /// Where the ends of all bars stand as drawn, plan frame.
-    pub fn ends(&self) -> Vec<[DVec2; 2]> {
-        if self.corners.is_empty() { Vec::new() } else { self.bars.iter().map(|b| b.ends).collect() }
-    }
-
-    /// Moves the ends that a group holds.
-    pub fn step(&self, ends: &mut [[DVec2; 2]], group: usize, step: impl Fn(DVec2) -> DVec2) {
-        for (bar, ends) in self.bars.iter().zip(ends) {
-            for (groups, end) in bar.groups.iter().zip(ends) {
-                if groups.contains(&group) {
-                    *end = step(*end);
-                }
-            }
-        }
-    }
-
-    /// Puts every corner on its faces; `ends`: where the ends of the bars stand now.
-    pub fn place(
-        &self,
-        start: &BTreeMap<u32, Vec<DVec2>>,
-        ends: &[[DVec2; 2]],
-        at: &mut BTreeMap<u32, Vec<DVec2>>,
-    ) {
-        for corner in &self.corners {
-            let has_moved = |b: &usize| ends[*b] != self.bars[*b].ends;
-            if !corner.rule.bars().iter().any(has_moved) {
-                continue;
-            }
-            for (w, c) in &corner.handles {
-                if let (Some(from), Some(to)) = (start.get(w), at.get_mut(w)) {
-                    to[*c as usize] = self.moved(corner.rule, from[*c as usize], ends);
-                }
-            }
-        }
-    }
-
-    fn moved(&self, rule: Rule, v: DVec2, ends: &[[DVec2; 2]]) -> DVec2 {
-        let turn = |b: usize| Turn::new(&self.bars[b], ends[b]);
-        match rule {
-            Rule::Meet(lines) => {
+impl Rule {
+    /// Where a corner drawn at `v` goes when the ends of all bars stand at `ends`.
+    pub fn moved(self, bars: &[Bar], v: DVec2, ends: &[[DVec2; 2]]) -> DVec2 {
+        let turn = |b: usize| Turn::new(&bars[b], ends[b]);
+        match self {
+            Self::Meet(lines) => {
                 let [(p, d), (q, e)] = lines.map(|l| match l.bar {
                     Some(b) => (turn(b).apply(v), turn(b).turned(l.direction)),
                     None => (v, l.direction),
@@ -194,18 +74,18 @@ impl Mitre {
                     p + d * ((q - p).perp_dot(e) / sin)
                 }
             }
-            Rule::Bend([(a, end), (b, _)]) => {
-                let (n, drawn) = (ends[a][end], self.bars[a].ends[end]);
-                let normal = self.bars[a].along().perp();
+            Self::Bend([(a, end), (b, _)]) => {
+                let (n, drawn) = (ends[a][end], bars[a].ends[end]);
+                let normal = bars[a].along().perp();
                 let offset = (v - drawn).dot(normal);
                 let [m, o] = [a, b].map(|k| turn(k).turned(normal));
                 let Some(middle) = (m + o).try_normalize() else { return turn(a).apply(v) };
-                let beyond = (v - drawn).dot(self.bars[a].along());
+                let beyond = (v - drawn).dot(bars[a].along());
                 n + middle * (offset / middle.dot(m).max(BEND_COS_MIN)) - middle.perp() * beyond
             }
-            Rule::End(b, end) => ends[b][end] + turn(b).turned(v - self.bars[b].ends[end]),
-            Rule::Along(b) => {
-                let (bar, [from, to]) = (&self.bars[b], ends[b]);
+            Self::End(b, end) => ends[b][end] + turn(b).turned(v - bars[b].ends[end]),
+            Self::Along(b) => {
+                let (bar, [from, to]) = (&bars[b], ends[b]);
                 let length = bar.ends[0].distance(bar.ends[1]);
                 let share = (v - bar.ends[0]).dot(bar.along()) / length;
                 let beside = (v - bar.ends[0]).dot(bar.along().perp());
@@ -214,41 +94,15 @@ impl Mitre {
         }
     }
 
-    /// Why a layout cannot be built: walls that meet at too small an angle, a face turned end for end.
-    pub fn trouble(
-        &self,
-        start: &BTreeMap<u32, Vec<DVec2>>,
-        ends: &[[DVec2; 2]],
-        at: &BTreeMap<u32, Vec<DVec2>>,
-    ) -> Option<String> {
-        let turned = |b: usize, d: DVec2| Turn::new(&self.bars[b], ends[b]).turned(d);
-        let is_acute = |corner: &Corner| {
-            let Rule::Meet(lines) = corner.rule else { return false };
-            let [d, e] = lines.map(|l| l.bar.map_or(l.direction, |b| turned(b, l.direction)));
-            d.perp_dot(e).abs() < CROSSING_MIN_RAD.sin()
-        };
-        if self.corners.iter().any(is_acute) {
-            return Some(too_acute());
-        }
-        let is_reversed = |(handles, b): &([Handle; 2], usize)| {
-            let find = |of: &BTreeMap<u32, Vec<DVec2>>| {
-                let [p, q] = handles.map(|h| Some(of.get(&h.0)?[h.1 as usize]));
-                Some(q? - p?)
-            };
-            let (Some(drawn), Some(now)) = (find(start), find(at)) else { return false };
-            drawn != DVec2::ZERO && now.dot(turned(*b, drawn)) <= 0.0
-        };
-        let is_short = self.faces.iter().any(is_reversed);
-        is_short.then(|| "would make a wall shorter than its joints need".into())
+    /// Whether the two faces meet at too small an angle.
+    pub fn is_acute(self, bars: &[Bar], ends: &[[DVec2; 2]]) -> bool {
+        let Self::Meet(lines) = self else { return false };
+        let turned = |b: usize, d: DVec2| Turn::new(&bars[b], ends[b]).turned(d);
+        let [d, e] = lines.map(|l| l.bar.map_or(l.direction, |b| turned(b, l.direction)));
+        d.perp_dot(e).abs() < CROSSING_MIN_RAD.sin()
     }
-}
 
-fn too_acute() -> String {
-    format!("would make walls meet at less than {:.0}°, where no mitre holds", CROSSING_MIN_RAD.to_degrees())
-}
-
-impl Rule {
-    fn bars(&self) -> Vec<usize> {
+    pub fn bars(&self) -> Vec<usize> {
         match self {
             Self::Meet(lines) => lines.iter().filter_map(|l| l.bar).collect(),
             Self::Bend(ends) => ends.iter().map(|e| e.0).collect(),
@@ -258,7 +112,7 @@ impl Rule {
 }
 
 /// The rigid motion that takes a bar's line to where it stands now.
-struct Turn {
+pub(super) struct Turn {
     from: DVec2,
     to: DVec2,
     /// Cosine and sine.
@@ -266,7 +120,7 @@ struct Turn {
 }
 
 impl Turn {
-    fn new(bar: &Bar, ends: [DVec2; 2]) -> Self {
+    pub fn new(bar: &Bar, ends: [DVec2; 2]) -> Self {
         let now = (ends[1] - ends[0]).normalize_or_zero();
         let turn = DVec2::new(bar.along().dot(now), bar.along().perp_dot(now));
         let still = bar.motion == Motion::Still || turn == DVec2::ZERO;
@@ -276,7 +130,7 @@ impl Turn {
         Self { from: bar.ends[0], to: ends[0], turn }
     }
 
-    fn turned(&self, d: DVec2) -> DVec2 {
+    pub fn turned(&self, d: DVec2) -> DVec2 {
         self.turn.rotate(d)
     }
 
@@ -286,17 +140,17 @@ impl Turn {
 }
 
 /// What holds what lies in a region of Keep.
-fn kept_words(plan: &Plan) -> &'static str {
+pub(super) fn kept_words(plan: &Plan) -> &'static str {
     if plan.format == Format::Dxf { "EF-KEEP holds it" } else { "a space that says Keep holds it" }
 }
 
 /// Why a control point cannot be written where it should go.
-fn cannot_follow(plan: &Plan, (w, _): Handle) -> Option<String> {
+pub(super) fn cannot_follow(plan: &Plan, (w, _): Handle) -> Option<String> {
     let wall = &plan.walls[w as usize];
     match (&wall.editable, &wall.shape) {
         (Editable::No(why), _) => Some(why.clone()),
         (Editable::WithInsert { .. } | Editable::Wall { .. }, _) => {
-            Some(format!("{} moves only as a whole", super::whole_of(plan, wall)))
+            Some(format!("{} moves only as a whole", crate::whole_of(plan, wall)))
         }
         (Editable::Free, Shape::Arc { .. } | Shape::Circle { .. }) => {
             Some("an arc moves only as a whole".into())
@@ -306,12 +160,12 @@ fn cannot_follow(plan: &Plan, (w, _): Handle) -> Option<String> {
 }
 
 /// Looks for corners.
-struct Finder<'a> {
-    plan: &'a Plan,
-    graph: &'a Graph,
-    axes: &'a AxisGraph,
-    moving: Moving<'a>,
-    bars: &'a Bars,
+pub(super) struct Finder<'a> {
+    pub plan: &'a Plan,
+    pub graph: &'a Graph,
+    pub axes: &'a AxisGraph,
+    pub moving: Moving<'a>,
+    pub bars: &'a Bars,
 }
 
 /// A straight drawn piece at a corner.
@@ -323,7 +177,7 @@ struct Piece {
 
 impl Finder<'_> {
     /// Whether a bar of a corner turns, as a whole or because its ends go different ways.
-    fn turns(&self, rule: Rule) -> bool {
+    pub fn turns(&self, rule: Rule) -> bool {
         rule.bars().into_iter().map(|b| self.bar(b)).any(|b| {
             let shifts = b.groups.iter().all(|own| self.moving.only_shifts(own));
             b.motion == Motion::Turning || !shifts
@@ -332,7 +186,7 @@ impl Finder<'_> {
 
     /// What the walls of a corner may do, in a word: where all that moves them shifts, one in line with them is only drawn
     /// out of line.
-    fn may(&self, rule: Rule) -> &'static str {
+    pub fn may(&self, rule: Rule) -> &'static str {
         let mut groups = rule.bars().into_iter().flat_map(|b| &self.bar(b).groups);
         if groups.all(|own| self.moving.only_shifts(own)) { "shift" } else { "turn" }
     }
@@ -347,7 +201,7 @@ impl Finder<'_> {
     }
 
     /// Nodes of the graph that may have to follow: all of bars whose line moves, and of what abuts them.
-    fn nodes(&self) -> BTreeSet<u32> {
+    pub fn nodes(&self) -> BTreeSet<u32> {
         let mut out = BTreeSet::new();
         for bar in self.bars.list.iter().filter(|b| matches!(b.motion, Motion::Rigid | Motion::Turning)) {
             let ends = bar.edges.iter().flat_map(|e| self.axes.edges[*e as usize].nodes);
@@ -362,7 +216,7 @@ impl Finder<'_> {
     }
 
     /// How a node's corner follows; `None` where its groups' own motion is right, or nobody's.
-    fn rule(&self, node: u32) -> Result<Option<Rule>, Refusal> {
+    pub fn rule(&self, node: u32) -> Result<Option<Rule>, Refusal> {
         let pieces = self.pieces(node);
         if pieces.iter().any(|p| self.bar(p.bar).motion == Motion::Torn) {
             return Ok(None);
