@@ -38,6 +38,7 @@ pub mod plane;
 mod region;
 pub mod rings;
 pub mod roles;
+mod room_outline;
 pub mod sizes;
 mod splice;
 mod stamp;
@@ -363,7 +364,7 @@ pub fn host_ids(file: &str, bytes: &[u8], records: &[usize]) -> Vec<Option<Strin
 }
 
 /// What is tied to the records that `edits` change: filled areas that go along, none of `held`, and annotation that does not
-/// follow. Buildings and scenes have none.
+/// follow. Buildings and scenes have none. `metres`: those of a drawing unit.
 ///
 /// # Errors
 /// As reading.
@@ -372,12 +373,12 @@ pub fn tied(
     bytes: &[u8],
     options: &ReadOptions,
     edits: &[Edit],
-    held: &HashSet<usize>,
+    (held, metres): (&HashSet<usize>, f64),
 ) -> Result<dxf::Tied, Error> {
     match format_of(file, bytes) {
         Format::Dxf => {
             let drawing = dxf::read(file, bytes, &options.dxf(), &mut Report::default())?;
-            dxf::tied(file, bytes, &drawing, edits, held)
+            dxf::tied(file, bytes, &drawing, edits, (held, metres))
         }
         Format::Ifc | Format::Gltf | Format::Glb => Ok(dxf::Tied::default()),
     }

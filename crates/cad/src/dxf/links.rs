@@ -59,14 +59,16 @@ pub fn tied(
     bytes: &[u8],
     drawing: &Drawing,
     edits: &[Edit],
-    held: &HashSet<usize>,
+    (held, metres): (&HashSet<usize>, f64),
 ) -> Result<Tied, Error> {
     let tokens = tokens_of(file, bytes)?;
-    let following = following(&tokens, drawing, edits, held);
+    let (following, left) = following(&tokens, drawing, edits, (held, metres));
     let records: HashSet<usize> = edits.iter().map(Edit::record).collect();
     let goes: HashSet<usize> = following.iter().map(|f| f.edit.record()).collect();
     let mut stale = stale(file, &tokens, drawing, &records)?;
     stale.extend(left_on_faces(drawing, edits, held).cloned());
+    let rooms = drawing.entities.iter().filter(|e| e.insert().is_none() && left.contains(&e.source.record));
+    stale.extend(rooms.map(|e| e.source.clone()));
     stale.sort_by_key(|s| s.record);
     stale.dedup_by_key(|s| s.record);
     stale.retain(|s| !goes.contains(&s.record) && !is_own(&s.layer));

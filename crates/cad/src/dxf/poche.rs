@@ -8,10 +8,11 @@ use glam::DVec2;
 use super::boundary::{At, Boundary, Piece, boundary, quad};
 use super::curves::is_upright;
 use super::fields::{Fields, VertexSlots, lwpolyline_vertices, own_pairs};
+use super::ground::{Face, Ground, box_of, crossing, distance_to_line, overlap};
 use super::header::Header;
+use super::rooms::room;
 use super::tokens::{Pair, Tokens};
-use crate::curve::control_points;
-use crate::drawing::{Drawing, Edit, Entity, RigidMotion, Shape, SourceRef};
+use crate::drawing::{Drawing, Edit, Entity, Shape, SourceRef};
 use crate::own_layers::is_own;
 use crate::plane::distance_to_segment;
 use crate::roles::{Role, role_by_name};
@@ -39,16 +40,17 @@ pub struct Following {
 
 /// The HATCH, SOLID and TRACE of model space of which every corner lies on what `edits` move or on what stands, and for
 /// which both say where it is afterwards; in file order, none of `held`. An outline that would turn over stays. The closed
-/// LWPOLYLINE of a layer of rooms goes along in the same way, with what is `held` alone: rooms do not hold each other.
+/// LWPOLYLINE of a layer of rooms goes along by its sides, with what is `held` alone: rooms do not hold each other. Besides,
+/// the rooms that lie on what moves and cannot follow. `metres`: those of a drawing unit.
 pub(super) fn following(
     tokens: &Tokens<'_>,
     drawing: &Drawing,
     edits: &[Edit],
-    held: &HashSet<usize>,
-) -> Vec<Following> {
+    (held, metres): (&HashSet<usize>, f64),
+) -> (Vec<Following>, Vec<usize>) {
     let mut moved = Ground::moved(drawing, edits);
     if moved.bounds().is_none() {
-        return Vec::new();
+        return Default::default();
     }
     let page = Header::read(tokens).page(tokens);
     let mut edited: HashSet<usize> = edits.iter().map(Edit::record).collect();
@@ -65,18 +67,23 @@ pub(super) fn following(
     let rooms: Vec<usize> = section.filter(is_free).filter(is_room).collect();
     let shown = drawing.entities.iter().map(|e| e.source.record);
     let others: HashSet<usize> = shown.filter(|r| !held.contains(r)).chain(edited.clone()).collect();
-    let of = |record: usize, moved: &Ground, passed_over: &HashSet<usize>| {
-        Area::read(tokens, record)?.following(moved, drawing, passed_over)
-    };
-    let mut out: Vec<Following> = rooms.into_iter().filter_map(|r| of(r, &moved, &others)).collect();
+    let (mut out, mut left) = (Vec::new(), Vec::new());
+    for record in rooms {
+        let Some(area) = Area::read(tokens, record) else { continue };
+        match room(&area, &moved, (drawing, &others), metres) {
+            Ok(following) => out.extend(following),
+            Err(_) => left.push(record),
+        }
+    }
     // What fills a room lies on its outline as well as on the walls.
     for room in &out {
         moved.add_ring(&room.corners);
         edited.insert(room.edit.record());
     }
-    out.extend(fills.into_iter().filter_map(|r| of(r, &moved, &edited)));
+    let fill = |record: usize| Area::read(tokens, record)?.following(&moved, drawing, &edited);
+    out.extend(fills.into_iter().filter_map(fill));
     out.sort_by_key(|f| f.edit.record());
-    out
+    (out, left)
 }
 
 fn is_closed_polyline(tokens: &Tokens<'_>, record: usize) -> bool {
@@ -135,15 +142,15 @@ fn ring(tokens: &Tokens<'_>, record: usize) -> Option<Boundary> {
 }
 
 /// Places of the points of a filled area, and what its outlines are made of.
-struct Area {
-    record: usize,
+pub(super) struct Area {
+    pub record: usize,
     /// As seen from above, drawing units; in the order of [`points_of`].
-    points: Vec<DVec2>,
+    pub points: Vec<DVec2>,
     outlines: Vec<Outline>,
     /// Points that lie inside.
     seeds: Vec<usize>,
     /// Box round the outlines.
-    bounds: [DVec2; 2],
+    pub bounds: [DVec2; 2],
     tolerance: f64,
 }
 
@@ -310,6 +317,11 @@ impl Area {
         })
     }
 
+    /// Pairs of corners between which the outline is round.
+    pub fn round(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.outlines.iter().flat_map(|o| o.round.iter().copied())
+    }
+
     fn keeps_its_side(&self, outline: &Outline, new: &[DVec2]) -> bool {
         let area = |points: &[DVec2]| -> f64 {
             let corner =
@@ -367,182 +379,10 @@ fn place(grounds: &[&Ground], p: DVec2, tolerance: f64) -> Option<DVec2> {
     on.iter().all(|f| distance_to_line(to, f.to) <= tolerance).then_some(to)
 }
 
-/// What fills may lie on: where it is drawn and where it is afterwards.
-#[derive(Default)]
-struct Ground {
-    nodes: Vec<Node>,
-    faces: Vec<Face>,
-    discs: Vec<Disc>,
-}
-
-/// A control point.
-struct Node {
-    from: DVec2,
-    to: DVec2,
-}
-
-/// A straight piece.
-struct Face {
-    from: [DVec2; 2],
-    to: [DVec2; 2],
-}
-
-/// A circle that keeps its size.
-struct Disc {
-    centre: DVec2,
-    radius: f64,
-    shift: DVec2,
-}
-
-impl Ground {
-    fn moved(drawing: &Drawing, edits: &[Edit]) -> Self {
-        let mut ground = Self::default();
-        for edit in edits {
-            let mut shown = drawing.entities.iter().filter(|e| e.source.record == edit.record());
-            match edit {
-                Edit::Shape { shape, .. } => {
-                    if let (Some(e), None) = (shown.next(), shown.next()) {
-                        ground.add(&e.shape, shape);
-                    }
-                }
-                Edit::Insert { motion, .. } => {
-                    shown.for_each(|e| ground.add(&e.shape, &carried(&e.shape, motion)))
-                }
-                Edit::Ends { .. } | Edit::Points { .. } | Edit::Work { .. } => {}
-            }
-        }
-        ground
-    }
-
-    /// What no edit changes, within bounds.
-    fn standing(drawing: &Drawing, edited: &HashSet<usize>, bounds: [DVec2; 2]) -> Self {
-        let mut ground = Self::default();
-        let others = drawing.entities.iter().filter(|e| !edited.contains(&e.source.record));
-        for e in others.filter(|e| box_of(&reach(&e.shape)).is_some_and(|b| overlap(b, bounds))) {
-            ground.add(&e.shape, &e.shape);
-        }
-        ground
-    }
-
-    fn add(&mut self, from: &Shape, to: &Shape) {
-        let (before, after) = (control_points(from), control_points(to));
-        if before.len() != after.len() {
-            return;
-        }
-        let places = || before.iter().zip(&after).map(|(&from, &to)| Node { from, to });
-        match (from, to) {
-            (Shape::Circle { centre, radius }, Shape::Circle { centre: to, radius: after }) => {
-                if radius == after {
-                    self.discs.push(Disc { centre: *centre, radius: *radius, shift: *to - *centre });
-                }
-                return;
-            }
-            (Shape::Line { a, b }, Shape::Line { a: c, b: d }) => {
-                self.faces.push(Face { from: [*a, *b], to: [*c, *d] });
-            }
-            (Shape::Polyline { vertices, closed }, Shape::Polyline { .. }) => {
-                let pieces = if *closed { vertices.len() } else { vertices.len().saturating_sub(1) };
-                for i in (0..pieces).filter(|&i| vertices[i].bulge == 0.0) {
-                    let j = (i + 1) % vertices.len();
-                    self.faces.push(Face { from: [before[i], before[j]], to: [after[i], after[j]] });
-                }
-            }
-            _ => {}
-        }
-        self.nodes.extend(places());
-    }
-
-    /// Whether a point lies on it as drawn and not afterwards.
-    fn leaves(&self, p: DVec2, tolerance: f64) -> bool {
-        let mut nodes = self.nodes.iter().filter(|n| n.from.distance(p) <= tolerance).peekable();
-        if nodes.peek().is_some() {
-            return nodes.any(|n| n.from.distance(n.to) > tolerance);
-        }
-        let on = |f: &&Face| distance_to_segment(p, f.from) <= tolerance;
-        self.faces.iter().filter(on).any(|f| distance_to_line(p, f.to) > tolerance)
-    }
-
-    /// Adds what goes along with the rest.
-    fn add_ring(&mut self, [before, after]: &[Vec<DVec2>; 2]) {
-        self.nodes.extend(before.iter().zip(after).map(|(&from, &to)| Node { from, to }));
-    }
-
-    fn bounds(&self) -> Option<[DVec2; 2]> {
-        let round = self.discs.iter().flat_map(|d| [d.centre - d.radius, d.centre + d.radius]);
-        box_of(&self.nodes.iter().map(|n| n.from).chain(round).collect::<Vec<_>>())
-    }
-}
-
-impl Face {
-    /// Where a point on it goes if the piece moves without changing its length.
-    fn carried(&self, p: DVec2, tolerance: f64) -> Option<DVec2> {
-        let [[a, b], [c, d]] = [self.from, self.to];
-        let keeps_its_length = (a.distance(b) - c.distance(d)).abs() <= tolerance;
-        let along = (p - a).dot(b - a) / (b - a).length_squared();
-        keeps_its_length.then(|| c + (d - c) * along + (p - (a + (b - a) * along)))
-    }
-
-    fn crosses(&self, other: &Self) -> bool {
-        let direction = |f: &Self| (f.from[1] - f.from[0]).normalize_or_zero();
-        direction(self).perp_dot(direction(other)).abs() > CROSSING_SINE
-    }
-}
-
-/// Lines at a smaller angle than this have no crossing that could be trusted (5°).
-const CROSSING_SINE: f64 = 0.087;
-
-fn crossing([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> Option<DVec2> {
-    let (u, v) = (b - a, d - c);
-    let across = u.perp_dot(v);
-    let is_clear = across.abs() > CROSSING_SINE * u.length() * v.length();
-    is_clear.then(|| a + u * ((c - a).perp_dot(v) / across))
-}
-
-fn distance_to_line(p: DVec2, [a, b]: [DVec2; 2]) -> f64 {
-    (b - a).normalize_or_zero().perp_dot(p - a).abs()
-}
-
-fn carried(shape: &Shape, motion: &RigidMotion) -> Shape {
-    let turn = DVec2::from_angle(motion.turn_rad);
-    let at = |p: DVec2| turn.rotate(p) + motion.shift;
-    match shape {
-        Shape::Line { a, b } => Shape::Line { a: at(*a), b: at(*b) },
-        Shape::Polyline { vertices, closed } => {
-            let mut vertices = vertices.clone();
-            vertices.iter_mut().for_each(|v| v.at = at(v.at));
-            Shape::Polyline { vertices, closed: *closed }
-        }
-        Shape::Circle { centre, radius } => Shape::Circle { centre: at(*centre), radius: *radius },
-        Shape::Arc { centre, radius, start_rad, end_rad } => Shape::Arc {
-            centre: at(*centre),
-            radius: *radius,
-            start_rad: start_rad + motion.turn_rad,
-            end_rad: end_rad + motion.turn_rad,
-        },
-    }
-}
-
-/// Points that lie at the outside of a shape.
-fn reach(shape: &Shape) -> Vec<DVec2> {
-    match shape {
-        Shape::Circle { centre, radius } => vec![*centre - *radius, *centre + *radius],
-        other => control_points(other),
-    }
-}
-
 /// -1 where the record's plane is turned over; `None` where it is tilted or cannot be read.
 fn side_of(tokens: &Tokens<'_>, record: usize) -> Option<f64> {
     let fields = Fields::of(tokens, record);
     let value = |code: i32, or: f64| fields.pair(code).map_or(Some(or), |p| tokens.number(p));
     let extrusion = glam::DVec3::new(value(210, 0.0)?, value(220, 0.0)?, value(230, 1.0)?);
     is_upright(extrusion).then(|| extrusion.z.signum())
-}
-
-fn box_of(points: &[DVec2]) -> Option<[DVec2; 2]> {
-    let first = *points.first()?;
-    Some(points.iter().fold([first; 2], |[low, high], p| [low.min(*p), high.max(*p)]))
-}
-
-fn overlap([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
-    a.cmple(d).all() && c.cmple(b).all()
 }

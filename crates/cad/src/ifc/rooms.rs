@@ -23,24 +23,7 @@ use super::unseen::Tails;
 use crate::drawing::{Edit, RigidMotion};
 use crate::plane::distance_to_segment;
 use crate::plane::ring_area;
-
-/// A side of a room this near to a wall, or within it, lies on it, metres.
-const ON_WALL_M: f64 = 0.02;
-
-/// Sides and faces whose directions differ by a smaller sine are parallel: half a degree.
-const PARALLEL_SIN: f64 = 0.01;
-
-/// Places along a side at which it is asked on which wall it lies.
-const PLACES: u32 = 40;
-
-/// A side of which less lies on walls that move stays: it ends at their faces.
-const STAYS_SHARE: f64 = 0.1;
-
-/// A side of which more lies on them goes with them. Between the two nobody can tell, and the room stays.
-const GOES_SHARE: f64 = 0.9;
-
-/// A side that would become shorter than this would be gone, metres.
-const SIDE_MIN_M: f64 = 0.05;
+use crate::room_outline::{ON_WALL_M, PARALLEL_SIN, Walls, Way, followed, sides, way};
 
 /// A room that a moved wall bounds.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,20 +40,6 @@ pub(super) struct Room {
     pub shape: Option<Node>,
     /// Sets of quantities of which some follow.
     pub stated: Vec<Node>,
-}
-
-/// How a place on a wall goes: along the wall where that becomes longer or shorter, and then with the wall.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Way {
-    along: DVec2,
-    motion: Option<RigidMotion>,
-}
-
-impl Way {
-    fn of(self, p: DVec2) -> DVec2 {
-        let p = p + self.along;
-        self.motion.map_or(p, |m| DVec2::from_angle(m.turn_rad).rotate(p) + m.shift)
-    }
 }
 
 /// A wall that changes.
@@ -125,38 +94,28 @@ pub(super) fn bounded(b: &Building<'_, '_>, edits: &[Edit], tails: &Tails) -> Ve
     let one = |p: &Product| {
         let (at, own) = (Footprint::of(b, p.id)?, reach(b, p.id)?);
         let shares_height = |w: &&Wall<'_>| w.at.reach[0] < own[1] && own[0] < w.at.reach[1];
-        let beside: Vec<&Wall<'_>> =
-            walls.iter().filter(shares_height).filter(|w| w.at.at.is_near_by(&at, near)).collect();
-        let is_bounded =
-            at.rings().iter().flat_map(|r| sides(r)).any(|s| !matches!(way(s, &beside, near), Ok(None)));
+        let is_beside = |w: &&Wall<'_>| shares_height(w) && w.at.at.is_near_by(&at, near);
+        let beside = Beside { walls: walls.iter().filter(is_beside).collect(), near };
+        let is_still = |s| matches!(way(s, &beside, b.geo.metres), Ok(None));
+        let is_bounded = !at.rings().iter().flat_map(|r| sides(r)).all(is_still);
         is_bounded.then(|| room(b, p, &at, &beside))
     };
     b.model.products.iter().filter(|p| p.class == "IfcSpace").filter_map(one).collect()
 }
 
-fn sides(ring: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> + '_ {
-    (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]])
+/// The walls that change beside a room; all else stands.
+struct Beside<'w, 'b> {
+    walls: Vec<&'w Wall<'b>>,
+    /// What is this near to a wall lies on it, file units.
+    near: f64,
 }
 
-/// How a side of a room goes; `None` where it stays.
-fn way([a, b]: [DVec2; 2], walls: &[&Wall<'_>], near: f64) -> Result<Option<Way>, Why> {
-    let Some(along) = (b - a).try_normalize() else { return Ok(None) };
-    let beside: Vec<_> = walls.iter().filter(|w| w.at.at.has_face_along(along, PARALLEL_SIN)).collect();
-    let mut shares: Vec<(Way, u32)> = Vec::new();
-    for k in 0..PLACES {
-        let at = a.lerp(b, (f64::from(k) + 0.5) / f64::from(PLACES));
-        let mut on = beside.iter().filter(|w| w.at.at.distance(at) <= near);
-        let Some(way) = on.find_map(|w| w.way(along, at, near)) else { continue };
-        match shares.iter_mut().find(|s| s.0 == way) {
-            Some(share) => share.1 += 1,
-            None => shares.push((way, 1)),
-        }
-    }
-    let Some((way, most)) = shares.iter().max_by_key(|s| s.1).copied() else { return Ok(None) };
-    match f64::from(most) / f64::from(PLACES) {
-        share if share >= GOES_SHARE => Ok(Some(way)),
-        share if share <= STAYS_SHARE => Ok(None),
-        _ => Err("a side of it lies only in part on the wall that moves".into()),
+impl Walls for Beside<'_, '_> {
+    fn way(&self, at: DVec2, along: DVec2) -> Option<Way> {
+        let is_on =
+            |w: &&&Wall<'_>| w.at.at.distance(at) <= self.near && w.at.at.has_face_along(along, PARALLEL_SIN);
+        let way = self.walls.iter().filter(is_on).find_map(|w| w.way(along, at, self.near));
+        Some(way.unwrap_or_default())
     }
 }
 
@@ -166,14 +125,11 @@ type Grounds = Vec<[Vec<DVec2>; 2]>;
 /// A place this near to a corner of a room is that corner, metres.
 const AT_CORNER_M: f64 = 1e-6;
 
-/// Coordinates that differ less are one, metres.
-const ROUNDING_M: f64 = 1e-9;
-
 /// A point of a room's body this near to its outline stands on it, metres.
 const ON_OUTLINE_M: f64 = 1e-3;
 
-fn room(b: &Building<'_, '_>, p: &Product, at: &Footprint, walls: &[&Wall<'_>]) -> Room {
-    let boundaries = boundaries(b, p.id, walls);
+fn room(b: &Building<'_, '_>, p: &Product, at: &Footprint, walls: &Beside<'_, '_>) -> Room {
+    let boundaries = boundaries(b, p.id, &walls.walls);
     let changed = grounds(at, walls, b.geo.metres).and_then(|grounds| {
         let all = [0, 1].map(|k| grounds.iter().flat_map(|g| g[k].iter().copied()).collect::<Vec<_>>());
         let go = |p: DVec2| shift(&grounds, p, b.geo.metres);
@@ -193,7 +149,7 @@ fn room(b: &Building<'_, '_>, p: &Product, at: &Footprint, walls: &[&Wall<'_>]) 
     }
 }
 
-fn grounds(at: &Footprint, walls: &[&Wall<'_>], metres: f64) -> Result<Grounds, Why> {
+fn grounds(at: &Footprint, walls: &Beside<'_, '_>, metres: f64) -> Result<Grounds, Why> {
     let mut rings: Vec<&Vec<DVec2>> = at.rings().iter().collect();
     rings.sort_by(|a, b| ring_area(b).abs().total_cmp(&ring_area(a).abs()));
     rings.into_iter().map(|ring| Ok([ring.clone(), followed(ring, walls, metres)?])).collect()
@@ -212,41 +168,6 @@ fn shift(grounds: &[[Vec<DVec2>; 2]], p: DVec2, metres: f64) -> Result<DVec2, Wh
         (_, true) => to_b - b,
         _ => (to_a - a).lerp(to_b - b, (p - a).dot(b - a) / (b - a).length_squared()),
     })
-}
-
-/// The corners of a room after its sides went.
-fn followed(ring: &[DVec2], walls: &[&Wall<'_>], metres: f64) -> Result<Vec<DVec2>, Why> {
-    let ways: Vec<Option<Way>> =
-        sides(ring).map(|s| way(s, walls, ON_WALL_M / metres)).collect::<Result<_, _>>()?;
-    let n = ring.len();
-    let go = |i: usize, p: DVec2| ways[i].map_or(p, |w| w.of(p));
-    let corner = |i: usize| {
-        let before = (i + n - 1) % n;
-        let [p, q] = [before, i].map(|k| [go(k, ring[k]), go(k, ring[(k + 1) % n])]);
-        if ways[before] == ways[i] {
-            return Ok(go(i, ring[i]));
-        }
-        let ([along, across], between) = ([p[1] - p[0], q[1] - q[0]], q[0] - p[0]);
-        let turn = along.perp_dot(across);
-        if turn.abs() <= PARALLEL_SIN * along.length() * across.length() {
-            return Err("its outline would need one more corner".to_owned());
-        }
-        Ok(settled(p[0] + along * (between.perp_dot(across) / turn), ring[i], metres))
-    };
-    let now: Vec<DVec2> = (0..n).map(corner).collect::<Result<_, _>>()?;
-    let keeps = |(old, new): ([DVec2; 2], [DVec2; 2])| {
-        let (old, new) = (old[1] - old[0], new[1] - new[0]);
-        new.length() >= (SIDE_MIN_M / metres).min(old.length()) && old.dot(new) > 0.0
-    };
-    let are_kept = sides(ring).zip(sides(&now)).all(keeps);
-    are_kept.then_some(now).ok_or_else(|| "a side of it would be gone".into())
-}
-
-/// A place with what of it is as drawn, but for rounding.
-fn settled(p: DVec2, drawn: DVec2, metres: f64) -> DVec2 {
-    DVec2::from_array(
-        [0, 1].map(|k| if (p[k] - drawn[k]).abs() * metres <= ROUNDING_M { drawn[k] } else { p[k] }),
-    )
 }
 
 /// How many of a room's boundaries lie on walls that change.

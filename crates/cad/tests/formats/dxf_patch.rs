@@ -497,7 +497,7 @@ fn tied_to(bytes: &[u8], read: &Drawing, records: &[usize], shift: DVec2) -> Tie
         Edit::Shape { record, shape }
     };
     let edits: Vec<Edit> = records.iter().map(edit).collect();
-    tied("plan.dxf", bytes, read, &edits, &HashSet::new()).unwrap()
+    tied("plan.dxf", bytes, read, &edits, (&HashSet::new(), 1.0)).unwrap()
 }
 
 /// A wall between two others, of which the left one ends at it, and a column, all filled in every way: each fill goes with
@@ -572,7 +572,7 @@ fn what_fills_a_wall_goes_with_it() {
         to("A3", [1.0, 2.2, 4.5, 2.2]),
         Edit::Insert { record: record("A8"), motion: aside },
     ];
-    let found = tied("plan.dxf", &bytes, &read, &edits, &HashSet::new()).unwrap();
+    let found = tied("plan.dxf", &bytes, &read, &edits, (&HashSet::new(), 1.0)).unwrap();
     let stale: Vec<&str> = found.stale.iter().filter_map(|s| s.handle.as_deref()).collect();
     assert_eq!(stale, ["B4", "B6", "BA"], "a corner on nothing, another radius, a bulge that would change");
     assert_eq!(found.following.len(), 6);
@@ -601,11 +601,11 @@ fn what_fills_a_wall_goes_with_it() {
         assert!(written.contains(&record.replace('|', "\n")), "{record}\n{written}");
     }
     // A round column that moves alone takes its fill along.
-    let alone = tied("plan.dxf", &bytes, &read, &edits[4..5], &HashSet::new()).unwrap().following;
+    let alone = tied("plan.dxf", &bytes, &read, &edits[4..5], (&HashSet::new(), 1.0)).unwrap().following;
     let to = [vec![DVec2::new(12.0, 2.0)], vec![DVec2::new(12.0, 3.0)]];
     assert_eq!(alone.into_iter().map(|f| f.corners).collect::<Vec<_>>(), [to]);
     let unmoved: HashSet<usize> = found.following.iter().map(|f| f.edit.record()).take(1).collect();
-    let held = tied("plan.dxf", &bytes, &read, &edits[..5], &unmoved).unwrap();
+    let held = tied("plan.dxf", &bytes, &read, &edits[..5], (&unmoved, 1.0)).unwrap();
     assert_eq!(held.following.len(), 5);
     assert!(held.stale.iter().any(|s| s.handle.as_deref() == Some("B0")));
 }
@@ -623,7 +623,8 @@ fn outlines_of_rooms_go_with_their_walls() {
     };
     let room = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
     let beside = [[4.1, 0.0], [9.0, 0.0], [9.0, 4.0], [4.1, 4.0]];
-    let off = [[0.0, 0.5], [4.0, 0.5], [4.0, 4.0], [0.3, 3.9]];
+    // More of its side lies on no wall than on the one that moves.
+    let off = [[0.0, 2.5], [4.0, 2.5], [4.0, 9.0], [0.3, 9.0]];
     let free = [[1.0, 1.0], [4.0, 1.0], [2.0, 2.0]];
     // A fill lies on the room's outline as well as on the walls.
     let fill = |points: &[[f64; 2]]| {
@@ -666,7 +667,7 @@ fn outlines_of_rooms_go_with_their_walls() {
         }
     };
     let mut edits = vec![shifted("A0"), shifted("A1")];
-    let found = tied("plan.dxf", &bytes, &read, &edits, &held).unwrap();
+    let found = tied("plan.dxf", &bytes, &read, &edits, (&held, 1.0)).unwrap();
     let stale: Vec<&str> = found.stale.iter().filter_map(|s| s.handle.as_deref()).collect();
     assert_eq!(stale, ["B2", "B4", "C0"]);
     edits.extend(found.following.iter().map(|f| f.edit.clone()));
@@ -679,6 +680,46 @@ fn outlines_of_rooms_go_with_their_walls() {
     for record in text[8..14].iter().chain(&moved) {
         assert!(written.contains(&record.replace('|', "\n")), "{record}\n{written}");
     }
+}
+
+/// Rooms are often drawn by hand, beside their walls by a finger's breadth and across doors: each side keeps its distance.
+#[test]
+fn rooms_drawn_by_hand_go_with_their_walls() {
+    let line = |handle: &str, [x0, y0, x1, y1]: [f64; 4]| {
+        format!("0|LINE|5|{handle}|8|A-WALL|10|{x0}|20|{y0}|11|{x1}|21|{y1}|")
+    };
+    let text = [
+        line("A0", [4.0, 0.0, 4.0, 1.5]),
+        line("A1", [4.0, 2.5, 4.0, 4.0]),
+        line("A2", [0.0, 0.0, 9.0, 0.0]),
+        line("A3", [0.0, 4.0, 9.0, 4.0]),
+        line("A4", [0.0, 0.0, 0.0, 4.0]),
+        // Its first corner is drawn twice; its walls are 0.015 m off.
+        "0|LWPOLYLINE|5|B0|8|AREA-ASSIGN|90|5|70|1|43|0.0|10|0.0|20|0.015|10|3.985|20|0.0|10|3.99|20|4.0|10|0.0|20|4.0|\
+         10|0.0|20|0.015|"
+            .into(),
+    ];
+    let bytes =
+        format!("0|SECTION|2|ENTITIES|{}0|ENDSEC|0|EOF|", text.concat()).replace('|', "\n").into_bytes();
+    let (read, _) = read_whole("plan.dxf", &bytes);
+    let walls = || read.entities.iter().filter(|e| e.layer == "A-WALL");
+    let held: HashSet<usize> = walls().map(|e| e.source.record).collect();
+    let shifted = |e: &enfilade_cad::drawing::Entity| {
+        let Shape::Line { a, b } = e.shape else { panic!("{e:?}") };
+        let shape = Shape::Line { a: a + DVec2::X * 0.5, b: b + DVec2::X * 0.5 };
+        Edit::Shape { record: e.source.record, shape }
+    };
+    let edits: Vec<Edit> = walls().take(2).map(shifted).collect();
+    let found = tied("plan.dxf", &bytes, &read, &edits, (&held, 1.0)).unwrap();
+    assert!(found.stale.is_empty());
+    let [_, after] = &found.following[0].corners;
+    let expected = [[0.0, 0.015], [4.485, -0.001882], [4.49, 4.0], [0.0, 4.0], [0.0, 0.015]];
+    let is_near = |(p, q): (&DVec2, &[f64; 2])| p.distance(DVec2::from(*q)) < 1e-4;
+    assert!(after.iter().zip(&expected).all(is_near), "{after:?}");
+    assert_eq!(after[3], DVec2::new(0.0, 4.0), "what stays keeps its bits");
+    // With units of ten metres it is a hand's breadth off.
+    let found = tied("plan.dxf", &bytes, &read, &edits, (&held, 10.0)).unwrap();
+    assert!(found.following.is_empty());
 }
 
 /// A floor whose edge runs on past the end of a wall's face would turn askew with the one corner that lies on it: it stays and

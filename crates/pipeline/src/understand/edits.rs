@@ -54,7 +54,8 @@ pub(crate) fn tied(
     let Job { input, settings } = job;
     let walls = base.plan.walls.iter().map(|w| w.source.record);
     let held: HashSet<usize> = walls.chain(base.fittings.iter().map(|f| f.source.record)).collect();
-    enfilade_cad::tied(input.file(), &input.bytes, &read::read_options(settings), edits, &held)
+    let held = (&held, base.plan.frame.metres_per_unit);
+    enfilade_cad::tied(input.file(), &input.bytes, &read::read_options(settings), edits, held)
 }
 
 #[cfg(test)]
