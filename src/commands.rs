@@ -30,10 +30,12 @@ use accepting::{Accepted, Choice, accept_option};
 pub use beside::settings_for;
 use beside::{read_settings, settings_partial};
 use enfilade_cad::drawing::Format;
-use enfilade_config::{Partial, Settings};
+use enfilade_config::{Partial, PinnedOption, PinnedWork, Settings};
 use enfilade_overlay::measure::{counts_cells, numbers_apart, parts, plain_name, wording};
 use enfilade_overlay::reading::{Headline, QuestionEntry};
-use enfilade_overlay::result::{AnalysisResult, Interval, RESULT_SCHEMA, RoundResult, StoreyEntry, to_json};
+use enfilade_overlay::result::{
+    AnalysisResult, Candidate, Interval, RESULT_SCHEMA, RoundResult, StoreyEntry, to_json,
+};
 use enfilade_overlay::words::headline;
 use enfilade_pipeline::accept::Origin;
 use enfilade_pipeline::cells::{CellOptions, cells, cells_csv, edges_csv};
@@ -434,10 +436,15 @@ fn hold(partial: &mut Partial, results: &Path, asked: &Asked, which: Which) -> R
         _ => which,
     };
     let (origin, result) = round_result(results, which)?;
-    let of = |n: &usize| option_of(&result, origin, *n);
     let once = asked.pin.iter().enumerate().filter(|(i, n)| !asked.pin[..*i].contains(n));
-    let pinned: Vec<Vec<f64>> = once.map(|(_, n)| of(n)).collect::<Result<_, _>>()?;
-    partial.pin = Some(pinned).filter(|p| !p.is_empty());
+    let pinned: Vec<&Candidate> =
+        once.map(|(_, n)| option_of(&result, origin, *n)).collect::<Result<_, _>>()?;
+    let (building, moving): (Vec<&Candidate>, Vec<&Candidate>) =
+        pinned.into_iter().partition(|c| !c.works.is_empty());
+    partial.pin_options = building.into_iter().map(pinned_option).collect();
+    partial.pin =
+        Some(moving.into_iter().map(|c| c.parameters.clone()).collect()).filter(|p: &Vec<_>| !p.is_empty());
+    let of = |n: &usize| layout_of(&result, origin, *n);
     partial.like = asked.like.as_ref().map(of).transpose()?;
     partial.pin_moves = enfilade_pipeline::moves_of(&result.moves);
     Ok(())
@@ -593,18 +600,10 @@ fn round_result(folder: &Path, which: Which) -> Result<(Origin, RoundResult), Er
     Ok((origin, result))
 }
 
-/// Parameters of an option of a round, from 1: one that moves, since works have none.
-fn option_of(result: &RoundResult, origin: Origin, number: usize) -> Result<Vec<f64>, Error> {
+/// An option of a round, from 1.
+fn option_of(result: &RoundResult, origin: Origin, number: usize) -> Result<&Candidate, Error> {
     let found = number.checked_sub(1).and_then(|i| result.candidates.get(i));
-    if found.is_some_and(|c| !c.works.is_empty()) {
-        let text = format!(
-            "option {number} of {origin} has building works, and only moves are pinned or searched near; nothing was done; \
-             leave it out of --pin and --like (`pin` and `like` in the side-car); to keep it, accept it or draw it \
-             (EF-OPEN, EF-REMOVE, EF-NEW)"
-        );
-        return Err(Error::usage("works-option", Place::default(), text));
-    }
-    found.map(|c| c.parameters.clone()).ok_or_else(|| {
+    found.ok_or_else(|| {
         let has = match result.candidates.len() {
             0 => "no options".into(),
             _ => options_of(result),
@@ -612,6 +611,25 @@ fn option_of(result: &RoundResult, origin: Origin, number: usize) -> Result<Vec<
         let text = format!("{origin} has {has}, found number {number}; nothing was done");
         Error::usage("candidate", Place::default(), text)
     })
+}
+
+/// An option that builds, as the next round finds it again.
+fn pinned_option(option: &Candidate) -> PinnedOption {
+    let works = option.works.iter().map(|w| PinnedWork { kind: w.kind.clone(), stretch: w.stretch });
+    PinnedOption { parameters: option.parameters.clone(), works: works.collect() }
+}
+
+/// Parameters of an option near which others are found: one that moves alone.
+fn layout_of(result: &RoundResult, origin: Origin, number: usize) -> Result<Vec<f64>, Error> {
+    let option = option_of(result, origin, number)?;
+    if option.works.is_empty() {
+        return Ok(option.parameters.clone());
+    }
+    let text = format!(
+        "option {number} of {origin} has building works, and only what moves alone is searched near; nothing was done; leave \
+         it out of --like (`like` in the side-car), and keep it with --pin"
+    );
+    Err(Error::usage("works-option", Place::default(), text))
 }
 
 fn init(args: &InitArgs) -> Result<u8, Error> {

@@ -50,7 +50,7 @@ pub fn check(bytes: &[u8]) -> bool {
     // Of the walls alone, so that some things stand.
     let half: Vec<Edit> = edits.iter().take(edits.len().div_ceil(2)).cloned().collect();
     for edits in [edits, half] {
-        let found = tied("fuzz.dxf", bytes, &drawing, &edits, &HashSet::new());
+        let found = tied("fuzz.dxf", bytes, &drawing, &edits, (&HashSet::new(), 1.0));
         let found = found.unwrap_or_else(|error| panic!("what is tied to an edit cannot be found: {error}"));
         let follow: Vec<Edit> =
             edits.iter().cloned().chain(found.following.into_iter().map(|f| f.edit)).collect();

@@ -41,7 +41,7 @@ pub use files::{is_settings, settings_files, unread_side_cars};
 pub use pair::{PAIR_NAME_BYTES, PairName};
 pub use reading::{ReadingTable, RoomText, SelectorText, ViewText, for_folder};
 pub use rooms::{BriefTable, BriefText};
-pub use tables::{KnownMove, LineageTable, MoveTable, RegionTable, WorkTable};
+pub use tables::{KnownMove, LineageTable, MoveTable, PinnedOption, PinnedWork, RegionTable, WorkTable};
 pub use version::{SETTINGS_VERSION, VERSION};
 pub use watching::{DEPTH_MAX, JOB_SECS, WatchTable};
 
@@ -199,7 +199,10 @@ pub struct Partial {
     pub works: Vec<WorkTable>,
     #[serde(default)]
     pub lineage: Vec<LineageTable>,
-    /// The moves that the numbers of `pin` and `like` belong to.
+    /// Options that build and stay.
+    #[serde(rename = "pin-option", default)]
+    pub pin_options: Vec<PinnedOption>,
+    /// The moves that the numbers of `pin`, `pin-option` and `like` belong to.
     #[serde(rename = "pin-move", default)]
     pub pin_moves: Vec<KnownMove>,
     /// Those of `warm`.
@@ -244,7 +247,9 @@ impl Partial {
     /// What no other source can mend, with its place. How many options are pinned is right or wrong only
     /// beside the members wanted, which another source may say.
     fn is_sound_alone(&self, name: &str, text: &str) -> Result<(), Error> {
-        let Err(Error::Usage(problem)) = Settings::new(Self { pin: None, ..self.clone() }) else {
+        let Err(Error::Usage(problem)) =
+            Settings::new(Self { pin: None, pin_options: Vec::new(), ..self.clone() })
+        else {
             return Ok(());
         };
         let line = problem.text.split(':').next().and_then(|key| wording::line_of_key(text, key));
@@ -259,8 +264,13 @@ impl Partial {
     /// This source, with `base` where it says nothing.
     pub fn over(self, base: Self) -> Self {
         // Moves go with the numbers that belong to them.
-        let pin_moves =
-            if self.pin.is_some() || self.like.is_some() { self.pin_moves } else { base.pin_moves };
+        let pins = self.pin.is_some() || self.like.is_some() || !self.pin_options.is_empty();
+        let pin_moves = if pins { self.pin_moves } else { base.pin_moves };
+        let (pin, pin_options) = match self.pin_options.is_empty() {
+            true if pins => (self.pin.or(base.pin), Vec::new()),
+            true => (base.pin, base.pin_options),
+            false => (self.pin, self.pin_options),
+        };
         let warm_moves = if self.warm.is_some() { self.warm_moves } else { base.warm_moves };
         let tables = |mine: Vec<_>, theirs| if mine.is_empty() { theirs } else { mine };
         Self {
@@ -301,7 +311,7 @@ impl Partial {
             least_gain: self.least_gain.or(base.least_gain),
             raw: self.raw.or(base.raw),
             until_converged: self.until_converged.or(base.until_converged),
-            pin: self.pin.or(base.pin),
+            pin,
             like: self.like.or(base.like),
             warm: self.warm.or(base.warm),
             colours: self.colours.or(base.colours),
@@ -315,6 +325,7 @@ impl Partial {
             regions: if self.regions.is_empty() { base.regions } else { self.regions },
             works: if self.works.is_empty() { base.works } else { self.works },
             lineage: if self.lineage.is_empty() { base.lineage } else { self.lineage },
+            pin_options,
             pin_moves,
             warm_moves,
             reading: self.reading.over(base.reading),
@@ -422,7 +433,10 @@ pub struct Settings {
     /// Parameters of layouts worth knowing before the search begins.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warm: Vec<Vec<f64>>,
-    /// The moves that the numbers of `pinned` and `like` belong to; empty: those of the drawing.
+    /// Options that build and stay, behind those of `pinned`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pinned_options: Vec<PinnedOption>,
+    /// The moves that the numbers of `pinned`, `pinned_options` and `like` belong to; empty: those of the drawing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pin_moves: Vec<KnownMove>,
     /// Those of `warm`.
@@ -496,7 +510,8 @@ impl Settings {
         if let Some(v) = p.evaluations.filter(|v| !(1..=EVALUATIONS_MAX).contains(v)) {
             return Err(bad("evaluations", &v.to_string(), &format!("a number from 1 to {EVALUATIONS_MAX}")));
         }
-        let vectors = p.pin.iter().chain(&p.warm).flatten().chain(&p.like);
+        let beside = p.pin_options.iter().map(|o| &o.parameters);
+        let vectors = p.pin.iter().chain(&p.warm).flatten().chain(&p.like).chain(beside);
         if let Some(v) = vectors.flatten().find(|v| !v.is_finite()) {
             return Err(bad("pin, like, warm", &v.to_string(), "finite parameters"));
         }
@@ -508,18 +523,36 @@ impl Settings {
                 pinned.push(one);
             }
         }
-        if !pinned.is_empty() && pinned.len() >= members {
+        let mut pinned_options: Vec<PinnedOption> = Vec::new();
+        for one in p.pin_options {
+            let places = one.works.iter().flat_map(|w| &w.stretch).flatten();
+            if let Some(v) = places.copied().find(|v| !v.is_finite()) {
+                return Err(bad("pin-option", &v.to_string(), "finite places of works"));
+            }
+            if one.works.is_empty() {
+                return Err(bad(
+                    "pin-option",
+                    "no works",
+                    "the works of an option; `pin` keeps what moves alone",
+                ));
+            }
+            if !pinned_options.contains(&one) {
+                pinned_options.push(one);
+            }
+        }
+        let pins = pinned.len() + pinned_options.len();
+        if pins > 0 && pins >= members {
             let expected = format!("fewer than the {members} members wanted");
-            return Err(bad("pin", &counted(pinned.len() as u64, "option"), &expected));
+            return Err(bad("pin", &counted(pins as u64, "option"), &expected));
         }
         let one_or_paper = match (p.mode.unwrap_or_default(), p.method.unwrap_or_default()) {
             (Mode::Best, _) => Some("mode best, which gives one layout"),
             (_, Method::Paper) => Some("method paper, whose algorithms keep none"),
             _ => None,
         };
-        if let Some(what) = one_or_paper.filter(|_| !pinned.is_empty()) {
+        if let Some(what) = one_or_paper.filter(|_| pins > 0) {
             let expected = format!("none with {what}");
-            return Err(bad("pin", &counted(pinned.len() as u64, "option"), &expected));
+            return Err(bad("pin", &counted(pins as u64, "option"), &expected));
         }
         let points = p.seed_point.iter().flatten().chain(&p.lattice_centre);
         let points = points.chain(&p.reading.inside).chain(&p.reading.outside);
@@ -579,6 +612,7 @@ impl Settings {
             raw: p.raw.unwrap_or(false),
             until_converged: p.until_converged.unwrap_or(false),
             pinned,
+            pinned_options,
             like: p.like,
             warm: p.warm.unwrap_or_default(),
             pin_moves: p.pin_moves,

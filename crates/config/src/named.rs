@@ -6,12 +6,13 @@ use super::{Partial, wording};
 use enfilade_report::{Error, Place};
 
 /// What a settings file alone may say: the command line has other words for it, or none.
-const OF_FILES: [&str; 10] = [
+const OF_FILES: [&str; 11] = [
     "ignore-move-markers",
     "pin",
     "like",
     "warm",
     "lineage",
+    "pin-option",
     "pin-move",
     "warm-move",
     "reading",

@@ -53,6 +53,27 @@ pub struct WorkTable {
     pub text: Option<String>,
 }
 
+/// An option that stays though it builds: its works, and how what moves beside them stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct PinnedOption {
+    /// Its parameters, as those of `pin`; empty: nothing moves.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameters: Vec<f64>,
+    /// What it builds.
+    pub works: Vec<PinnedWork>,
+}
+
+/// A building work, as result.json names it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct PinnedWork {
+    /// `open`, `widen`, `remove`, …
+    pub kind: String,
+    /// Ends of its stretch of wall, drawing frame, metres.
+    pub stretch: [[f64; 2]; 2],
+}
+
 /// A move that the numbers of a layout belong to, as result.json names it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]

@@ -175,6 +175,9 @@ pub struct Candidate {
     /// Confirmed gains; empty where nothing was confirmed (`run --raw`).
     #[serde(default, skip_serializing_if = "Gains::is_empty")]
     pub gain: Gains,
+    /// Whether it stays because somebody pinned it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub pinned: bool,
     /// Whether every threshold is met.
     pub within_threshold: bool,
     /// What moved and what it gains, in plain words.
@@ -416,8 +419,7 @@ pub struct RoundResult {
 impl RoundResult {
     /// How many of the first options were pinned.
     pub fn pinned_count(&self) -> usize {
-        let pinned = self.settings.get("pinned").and_then(|v| v.as_array());
-        pinned.map_or(0, Vec::len).min(self.candidates.len())
+        self.candidates.iter().take_while(|c| c.pinned).count()
     }
 
     /// What there is to say of the option at `i` before its words, in brackets behind its number; else empty.

@@ -337,6 +337,7 @@ fn side_car(
         raw: Some(settings.raw),
         until_converged: Some(settings.until_converged),
         pin: None,
+        pin_options: Vec::new(),
         like: None,
         warm: (!known.is_empty()).then_some(known),
         colours: Some(settings.colours),

@@ -156,7 +156,8 @@ fn offered(
     let told = found.map_or_else(|| as_drawn((trial, job.settings), &aims), |f| f.objectives.clone());
     let judges = works::option::Judges { study, trial, objectives: &aims, told: &told };
     let layouts = found.map_or(Vec::new(), Found::layouts);
-    let is_wanted = !round.is_asked() && works::options::are_wanted(&study.base);
+    let is_pinned = !job.settings.pinned_options.is_empty();
+    let is_wanted = !round.is_asked() && (is_pinned || works::options::are_wanted(&study.base));
     let chosen = if is_wanted {
         works::options::options(job, judges, (&listed, &layouts, !round.brief.is_empty()), report, cancel)?
     } else {

@@ -35,7 +35,7 @@ use crate::job::{Job, Outcome};
 use crate::round::Round;
 use crate::search::brief::is_bare;
 use crate::search::distance;
-use crate::search::judged::{is_firm, pinned};
+use crate::search::judged::is_firm;
 use crate::understand::rooms::rooms_with_kinds;
 use crate::works::{Listed, Offer};
 use crate::write::diversity::{likeness, nearest};
@@ -84,8 +84,8 @@ pub(crate) fn write(
     if let Some(held) = found.map(|f| f.held_back.trim()).filter(|h| !h.is_empty()) {
         report.info("moves-held", Place::file(input.file()), held);
     }
+    told::say_pinned(&mut report, input.file(), &made);
     if let Some(found) = found {
-        told::say_pinned(&mut report, input.file(), &found.explanations);
         if is_firm(settings) && built < made.len() {
             told::say_out_of_reach(&mut report, input.file(), (study, settings), found);
         }
@@ -99,7 +99,7 @@ pub(crate) fn write(
     let nearest = nearest(study, &made).map(|(pair, distance)| told::Nearest {
         distance,
         wanted,
-        are_pinned: pair.into_iter().all(|i| i < pinned(settings)),
+        are_pinned: pair.into_iter().all(|i| made[i].is_pinned),
         has_ended: found.is_none_or(|f| f.has_ended),
     });
     told::say_lowered(&mut report, input.file(), share);

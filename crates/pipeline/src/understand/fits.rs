@@ -71,6 +71,18 @@ pub fn fitted(base: &Understood, settings: &Settings, report: &mut Report) -> Re
         }
         say_idle_pins(settings, &pinned, base, report);
         out.pinned = pinned;
+        for option in out.pinned_options.iter_mut().filter(|o| !o.parameters.is_empty()) {
+            let (fitted, wrong) =
+                refit(base, &now, &settings.pin_moves, std::slice::from_ref(&option.parameters));
+            if !wrong.is_empty() {
+                let text = format!(
+                    "what moves beside the works of a pinned option does not fit the drawing as a whole: {}; the rest of it is kept",
+                    wrong.join("; ")
+                );
+                report.warn("pin-works", place(), text);
+            }
+            option.parameters = fitted.into_iter().next().unwrap_or_default();
+        }
         let like: Vec<Vec<f64>> = settings.like.iter().cloned().collect();
         let (like, wrong) = refit(base, &now, &settings.pin_moves, &like);
         if !wrong.is_empty() {

@@ -57,6 +57,8 @@ pub(super) struct Set {
     pub(super) is_legal: bool,
     /// Whether it is the least that brings half of what the best does.
     pub(super) is_least: bool,
+    /// Whether somebody pinned it.
+    pub(super) is_pinned: bool,
     pub(super) experience: Experience,
 }
 
@@ -214,7 +216,19 @@ impl<'a> Builder<'a> {
         let gain = gained(study, settings, objectives, &worth);
         let (degree, experience) = (worth.seen.means.degree, Experience::of(study, &worth));
         let mean = show::mean_numbers(study, &worth);
-        Set { works, effort_m, moved, lines, gain, mean, degree, is_legal, is_least: false, experience }
+        Set {
+            works,
+            effort_m,
+            moved,
+            lines,
+            gain,
+            mean,
+            degree,
+            is_legal,
+            is_least: false,
+            is_pinned: false,
+            experience,
+        }
     }
 
     /// A point of the front.
@@ -235,7 +249,7 @@ impl<'a> Builder<'a> {
         Some(Drawn { bytes: made.bytes, tables: made.written.tables })
     }
 
-    fn told_all(&self, set: &Set) -> Vec<OptionWork> {
+    pub(super) fn told_all(&self, set: &Set) -> Vec<OptionWork> {
         let told = |w: &usize| self.told(self.work(*w), &self.listed.result.works[*w]);
         set.works.iter().map(told).collect()
     }
@@ -259,8 +273,12 @@ impl<'a> Builder<'a> {
             effort: told_works.iter().fold(Effort::default(), |all, w| all.and(&w.effort)),
             works: told_works,
             is_least: set.is_least,
+            is_pinned: set.is_pinned,
+            breaks: if set.is_pinned { self.broken(set, &worth) } else { Vec::new() },
             // Thresholds that yield are lowered to what options keep.
-            is_within: !is_firm(job.settings) || told.iter().zip(&values).all(|(o, v)| o.keeps(*v)),
+            is_within: set.is_pinned
+                || !is_firm(job.settings)
+                || told.iter().zip(&values).all(|(o, v)| o.keeps(*v)),
             values,
             gains,
             worth,

@@ -20,6 +20,10 @@ pub(crate) struct BuildingOption {
     pub(crate) title: String,
     /// Whether more of a private room is seen while its door stands open.
     pub(super) shows_private: bool,
+    /// Whether it stays because somebody pinned it.
+    pub(crate) is_pinned: bool,
+    /// What of the limits and rules it breaks, in words: only what is pinned may.
+    pub(crate) breaks: Vec<String>,
     /// Whether it is the least that brings half of what the best set does.
     pub(crate) is_least: bool,
     /// What they cost together.

@@ -48,10 +48,13 @@ pub(crate) fn options(
     let builder = Builder { job, judges, listed, layouts };
     let wanted = wanted(job.settings);
     builder.say_budget(report);
-    let (sets, front) = builder.sets(cancel)?;
+    let pinned = builder.pinned(report);
+    let (mut sets, front) = builder.sets(cancel)?;
+    sets.retain(|s| pinned.iter().all(|p| p.works != s.works || p.moved != s.moved));
     cancel.check()?;
     let (least, mut left): (Vec<Set>, Vec<Set>) = sets.into_iter().partition(|s| s.is_least && wanted > 1);
     let mut taking = Taking { builder: &builder, taken: Vec::new(), made: Vec::new(), withheld: 0 };
+    taking.keep(pinned, report);
     taking.fill(&mut left, wanted - least.len(), cancel)?;
     taking.take(least, cancel)?;
     taking.fill(&mut left, wanted, cancel)?;
@@ -63,7 +66,8 @@ pub(crate) fn options(
         report.info("works-withheld", Place::file(job.input.file()), text);
     }
     let total = |o: &BuildingOption| confirmed::total(judges.objectives, &o.gains);
-    made.sort_by(|a, b| total(b).total_cmp(&total(a)));
+    let by_gain = |a: &BuildingOption, b: &BuildingOption| total(b).total_cmp(&total(a));
+    made.sort_by(|a, b| b.is_pinned.cmp(&a.is_pinned).then_with(|| by_gain(a, b)));
     let points_sure = front.iter().zip(builder.gains(&front)).filter(|(_, g)| builder.is_sure(g));
     let points_sure: Vec<(&Set, Gains)> = points_sure.collect();
     let points = points_sure.iter().enumerate();
@@ -131,6 +135,20 @@ impl Taking<'_> {
             self.take(next, cancel)?;
         }
         Ok(())
+    }
+
+    /// Takes what is pinned, whatever it gains; what the drawing cannot hold any more is told.
+    fn keep(&mut self, pinned: Vec<Set>, report: &mut Report) {
+        let gains = self.builder.gains(&pinned);
+        for (set, gains) in pinned.into_iter().zip(gains) {
+            match self.builder.make(&set, gains) {
+                Some(option) => {
+                    self.taken.push(set);
+                    self.made.push(option);
+                }
+                None => self.builder.say_unpinned(&set, report),
+            }
+        }
     }
 
     /// Takes those of some sets whose gain is sure and which can be made.

@@ -9,7 +9,6 @@ use crate::job::{Input, Job};
 use crate::read;
 use crate::round::Round;
 use crate::search::brief::is_bare;
-use crate::search::judged::pinned;
 use crate::understand::rooms::rooms_with_kinds;
 use crate::understand::sensed::Sensed;
 use crate::understand::understood;
@@ -36,13 +35,12 @@ pub(crate) fn briefed(round: &Round<'_>, made: Vec<Made>, report: &mut Report) -
     }
     let briefs: Vec<Vec<BriefItem>> =
         made.par_iter().map(|m| brief_of(round.job, m)).collect::<Result<_, Error>>()?;
-    let pins = pinned(round.job.settings);
     let mut broken: BTreeSet<String> = BTreeSet::new();
     let mut kept: Vec<(usize, Made)> = Vec::new();
     let all = made.len();
     for (i, (m, brief)) in made.into_iter().zip(briefs).enumerate() {
         let breaks = broken_limits(round, &brief);
-        if breaks.is_empty() || i < pins {
+        if breaks.is_empty() || m.is_pinned {
             kept.push((i, Made { brief, ..m }));
         } else {
             broken.extend(breaks);

@@ -25,6 +25,8 @@ pub(crate) struct Made {
     pub(crate) host_ids: BTreeMap<u64, String>,
     pub(crate) report: Report,
     pub(crate) name: String,
+    /// Whether it stays because somebody pinned it.
+    pub(crate) is_pinned: bool,
     /// Which moves bring the gain.
     pub(crate) explanation: Explanation,
     /// Confirmed gains; empty where nothing was confirmed.

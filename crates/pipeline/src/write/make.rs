@@ -58,6 +58,7 @@ pub(crate) fn make(
         host_ids,
         report,
         name,
+        is_pinned: false,
         explanation: Explanation::default(),
         gains: Gains::new(),
         brief: Vec::new(),
@@ -121,6 +122,10 @@ impl Choice<'_> {
         matches!(self, Self::Building(option) if option.is_least)
     }
 
+    fn is_pinned_building(&self) -> bool {
+        matches!(self, Self::Building(option) if option.is_pinned)
+    }
+
     /// What people experience in it.
     fn experience(&self, study: &Study) -> Experience {
         match self {
@@ -136,7 +141,8 @@ impl Choice<'_> {
             Self::Layout(found, i) => {
                 let made = make(job, study, name, &found.members[*i])?;
                 let explanation = found.explanations.get(*i).cloned().unwrap_or_default();
-                Ok(Made { explanation, gains: found.gains.get(*i).cloned().unwrap_or_default(), ..made })
+                let gains = found.gains.get(*i).cloned().unwrap_or_default();
+                Ok(Made { explanation, gains, is_pinned: *i < pinned(job.settings), ..made })
             }
             Self::Building(option) => building(job, study, name, option),
         }
@@ -160,7 +166,10 @@ pub(crate) fn options(
     if let Some(offer) = offer.filter(|o| !o.options.is_empty()) {
         let mut free = all.split_off(pinned(settings).min(all.len()));
         let room = wanted(settings).saturating_sub(all.len());
-        free.extend(offer.options.iter().map(Choice::Building));
+        let (kept, building) =
+            offer.options.iter().map(Choice::Building).partition(Choice::is_pinned_building);
+        let kept: Vec<Choice<'_>> = kept;
+        free.extend::<Vec<Choice<'_>>>(building);
         let by_gain = |a: &Choice<'_>, b: &Choice<'_>| {
             b.total(&offer.objectives).total_cmp(&a.total(&offer.objectives))
         };
@@ -170,9 +179,10 @@ pub(crate) fn options(
             let least = free.remove(least);
             free.insert(1.min(free.len()), least);
         }
-        let (mut free, left_out) = apart(study, free, room);
+        let (mut free, left_out) = apart(study, (kept, free), room);
         alike = left_out;
-        free.sort_by(by_gain);
+        let pins = free.iter().take_while(|c| c.is_pinned_building()).count();
+        free[pins..].sort_by(by_gain);
         all.extend(free);
     }
     let one = |(i, choice): (usize, &Choice<'_>)| choice.make(job, study, &format!("candidate-{}", i + 1));
@@ -180,11 +190,20 @@ pub(crate) fn options(
     Ok((made?, alike))
 }
 
-/// The first that differ, at most so many, and how many were left out since they are like one of these. The best layout of the search is an idea of its own, whatever a wall less would
+/// Those kept, then the first that differ, at most so many, and how many were left out since they are like one of these. The best layout of the search is an idea of its own, whatever a wall less would
 /// bring: it has the last place, if there is room for two.
-fn apart<'a>(study: &Study, all: Vec<Choice<'a>>, room: usize) -> (Vec<Choice<'a>>, usize) {
+fn apart<'a>(
+    study: &Study,
+    (kept, all): (Vec<Choice<'a>>, Vec<Choice<'a>>),
+    room: usize,
+) -> (Vec<Choice<'a>>, usize) {
     let mut alike = 0;
-    let mut taken: Vec<(Choice<'a>, Experience)> = Vec::new();
+    let with_experience = |c: Choice<'a>| {
+        let experience = c.experience(study);
+        (c, experience)
+    };
+    let mut taken: Vec<(Choice<'a>, Experience)> = kept.into_iter().map(with_experience).collect();
+    let pins = taken.len();
     let mut moving = None;
     for choice in all {
         let experience = choice.experience(study);
@@ -201,7 +220,7 @@ fn apart<'a>(study: &Study, all: Vec<Choice<'a>>, room: usize) -> (Vec<Choice<'a
             moving = Some((choice, experience));
         }
     }
-    if let Some(moving) = moving.filter(|_| room > 1 && taken.iter().all(|t| t.0.builds())) {
+    if let Some(moving) = moving.filter(|_| room > 1 + pins && taken.iter().all(|t| t.0.builds())) {
         taken.pop();
         taken.push(moving);
     }
@@ -229,7 +248,8 @@ fn building(job: Job<'_>, study: &Study, name: &str, option: &Arc<BuildingOption
         host_ids,
         report,
         name: name.to_owned(),
-        explanation: Explanation::default(),
+        is_pinned: option.is_pinned,
+        explanation: Explanation { breaks: option.breaks.clone(), ..Explanation::default() },
         gains: option.gains.clone(),
         brief: Vec::new(),
         built: Some(Arc::clone(option)),

@@ -6,7 +6,8 @@ use crate::works::Listed;
 use crate::write::made::Made;
 use crate::write::maps::Map;
 use enfilade_config::{
-    Allow, Backend, Budget, Colours, Level, Method, Mode, NONE, Overlay, Settings, Thresholds, Unsure,
+    Allow, Backend, Budget, Colours, Level, Method, Mode, NONE, Overlay, PinnedWork, Settings, Thresholds,
+    Unsure,
 };
 use enfilade_overlay::measure::CHANGE;
 use enfilade_overlay::page::{ArchivePoint, ReportInput, View, report_html};
@@ -188,7 +189,13 @@ fn rules(settings: &Settings) -> Vec<(&'static str, String)> {
 fn in_a_settings_file(settings: &Settings) -> String {
     let lists = [("pin", &settings.pinned), ("warm", &settings.warm)];
     let lists = lists.into_iter().filter(|l| !l.1.is_empty()).map(|(key, v)| format!("{key} = {v:?}"));
-    let lines: Vec<String> = lists.chain(settings.like.iter().map(|v| format!("like = {v:?}"))).collect();
+    let like = settings.like.iter().map(|v| format!("like = {v:?}"));
+    let options = settings.pinned_options.iter().map(|o| {
+        let work = |w: &PinnedWork| format!("{{ kind = {:?}, stretch = {:?} }}", w.kind, w.stretch);
+        let works: Vec<String> = o.works.iter().map(work).collect();
+        format!("[[pin-option]]\nparameters = {:?}\nworks = [{}]", o.parameters, works.join(", "))
+    });
+    let lines: Vec<String> = lists.chain(like).chain(options).collect();
     if lines.is_empty() {
         String::new()
     } else {

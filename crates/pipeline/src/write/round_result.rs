@@ -126,6 +126,7 @@ pub(crate) fn candidate(round: &Round<'_>, moves: &[MoveEntry], initial: &Number
         penalty: show::penalty_numbers(&made.worth),
         score: Some(study.score(&made.worth, settings)),
         gain,
+        pinned: made.is_pinned,
         within_threshold: made.member.within_threshold && explanation.breaks.is_empty(),
         changes: changes(study, made),
         works: made.built.as_ref().map_or(Vec::new(), |b| b.works.clone()),

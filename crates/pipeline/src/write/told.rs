@@ -12,7 +12,7 @@ use enfilade_cad::drawing::Format;
 use enfilade_config::{Method, Mode, Settings, Snap};
 use enfilade_moves::Parameter;
 use enfilade_overlay::measure::{number, numbers_apart, plain_name, sentence_case};
-use enfilade_overlay::result::{Explanation, Objective, Sense};
+use enfilade_overlay::result::{Objective, Sense};
 use enfilade_overlay::words::listed;
 use enfilade_plan::markers::Kind;
 use enfilade_report::{Place, Report, counted};
@@ -21,8 +21,9 @@ use enfilade_report::{Place, Report, counted};
 pub(crate) const NONE_BETTER: &str = "none-better";
 
 /// Says what pinned options break.
-pub(crate) fn say_pinned(report: &mut Report, file: &str, explanations: &[Explanation]) {
-    for (i, explanation) in explanations.iter().enumerate().filter(|(_, e)| !e.breaks.is_empty()) {
+pub(crate) fn say_pinned(report: &mut Report, file: &str, made: &[Made]) {
+    let broken = made.iter().map(|m| &m.explanation).enumerate().filter(|(_, e)| !e.breaks.is_empty());
+    for (i, explanation) in broken {
         let text = format!(
             "Option {} is pinned, so it is kept although it breaks {}.",
             i + 1,

@@ -322,6 +322,50 @@ fn the_one_option_is_the_best() {
 }
 
 /// No option costs more than the budget holds, and what costs more is named.
+/// The last option that builds, as a side-car keeps it.
+fn pin(result: &RoundResult) -> (&Candidate, String) {
+    let (_, option) = building(result).pop().unwrap();
+    let work = |w: &OptionWork| format!("{{ kind = {:?}, stretch = {:?} }}", w.kind, w.stretch);
+    let works: Vec<String> = option.works.iter().map(work).collect();
+    let text =
+        format!("[[pin-option]]\nparameters = {:?}\nworks = [{}]\n", option.parameters, works.join(", "));
+    (option, text)
+}
+
+/// A pinned option that builds stands first, the same to the last digit, and the others are unlike it.
+#[test]
+fn an_option_that_builds_can_be_pinned() {
+    let stated = |o: &Candidate| (o.mean.clone(), o.gain.clone(), o.works.clone());
+    for file in ["flat.dxf", "flat.ifc"] {
+        let (bytes, first) = of_sample(file);
+        let (option, pin) = pin(&first.result);
+        assert_eq!(first.result.pinned_count(), 0);
+        let next = round(file, &bytes, &pin).result;
+        assert_eq!(next.pinned_count(), 1, "{file}: {:?}", next.problems);
+        assert_eq!(stated(&next.candidates[0]), stated(option), "{file}");
+        assert!(next.candidates[1..].iter().all(|c| c.works != option.works));
+        let moved = next.settings["pinned_options"][0]["works"].as_array().map(Vec::len);
+        assert_eq!(moved, Some(option.works.len()));
+    }
+}
+
+/// What a pinned option breaks by now is told, and it stays; a place that is gone is told, and the round goes on.
+#[test]
+fn what_a_pinned_option_that_builds_breaks_is_told() {
+    let (bytes, first) = of_sample("flat.dxf");
+    let (option, pin) = pin(&first.result);
+    let has = |result: &RoundResult, code: &str| result.problems.iter().any(|p| p.code == code);
+    let broken = round("flat.dxf", &bytes, &format!("budget = \"1 work, 0.2 m\"\n{pin}")).result;
+    assert_eq!(broken.candidates[0].works, option.works);
+    assert_eq!(broken.candidates[0].explanation.breaks.len(), 1);
+    assert!(has(&broken, "pinned-breaks") && !broken.candidates[0].within_threshold);
+    let [x, y] = option.works[0].stretch[0];
+    let elsewhere = pin.replacen(&format!("[{x:?}, {y:?}]"), "[-50.0, 0.0]", 1);
+    assert_ne!(elsewhere, pin);
+    let gone = round("flat.dxf", &bytes, &elsewhere).result;
+    assert!(has(&gone, "pin-works") && gone.pinned_count() == 0 && !gone.candidates.is_empty());
+}
+
 #[test]
 fn options_keep_to_the_budget() {
     let bytes = std::fs::read(sample("flat.dxf")).unwrap();
