@@ -255,6 +255,7 @@ fn result() -> RoundResult {
                 ("disconnection", 0.0),
             ]),
             score: Some(0.61 - 0.03 * f),
+            pinned: false,
             within_threshold: o != 4,
             changes: vec![Change {
                 element: ElementRef::Dxf { handle: None, record: 7 },
