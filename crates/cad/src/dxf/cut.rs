@@ -18,7 +18,7 @@ use enfilade_report::Error;
 
 /// Groups that say how an entity looks, in the order in which they are written: paper space, layer, line type, colour, line
 /// weight, scale of the line type, true colour, colour book, transparency.
-const LOOK: [i32; 9] = [67, 8, 6, 62, 370, 48, 420, 430, 440];
+pub(super) const LOOK: [i32; 9] = [67, 8, 6, 62, 370, 48, 420, 430, 440];
 /// Groups of an LWPOLYLINE's vertices: place, widths, bulge, number; some programs write a height too.
 const OF_VERTEX: [i32; 7] = [10, 20, 30, 40, 41, 42, 91];
 
@@ -41,6 +41,7 @@ impl Editor<'_, '_> {
             return Err(self.fault("it is drawn in a plane that is turned over"));
         }
         match (self.tokens.name(self.record), parts) {
+            (b"MLINE", _) => return self.multiline_anew(parts, writer),
             (b"LINE", [first @ Shape::Line { .. }, ..]) => self.shape(first)?,
             (b"LWPOLYLINE", [Shape::Polyline { vertices, closed }, ..]) => {
                 self.vertices_anew(vertices, *closed, writer)?;

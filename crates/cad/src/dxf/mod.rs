@@ -22,6 +22,7 @@ mod colour;
 mod complete;
 mod curves;
 mod cut;
+mod cut_multiline;
 mod entity;
 mod fields;
 mod fill;

@@ -74,8 +74,14 @@ fn in_drawing(
     let mut jambs: Vec<Segment> = works.iter().flat_map(|w| w.change.built.iter().copied()).collect();
     let own = works.iter().flat_map(|w| &w.walls).flat_map(|w| &walls[w.0].records);
     let mut like = own.copied().next();
+    let mut multilines: BTreeSet<usize> = BTreeSet::new();
     for wall in plan.walls.iter().filter(|w| meets(w, &gone)) {
-        if matches!(wall.drawn_by, DrawnBy::Mark(_)) || wall.editable != Editable::Free {
+        // All lines of a multiline are cut with one of them.
+        let is_multiline = wall.source.kind == "MLINE" && !matches!(wall.editable, Editable::No(_));
+        if is_multiline && !multilines.insert(wall.source.record) {
+            continue;
+        }
+        if matches!(wall.drawn_by, DrawnBy::Mark(_)) || wall.editable != Editable::Free && !is_multiline {
             return Err(format!("{} on layer {:?} cannot be cut", wall.source.kind, wall.source.layer));
         }
         let (record, parts) = (wall.source.record, parts(plan, wall, &gone, &mut jambs)?);
