@@ -9,14 +9,16 @@ use super::cuts::{holds, meets, parts};
 use super::fitted;
 use crate::understand::building::NamedOpening;
 use crate::understand::understood::Understood;
+use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{
     Addition, Drawing, Edit, Editable, EntityWork, Filling, Format, Mark, Shape, Vertex,
 };
 use enfilade_cad::dxf::{Probe, fills_at};
 use enfilade_cad::own_layers::{DEMOLISHED, DEMOLISHED_RGB};
-use enfilade_cad::plane::is_inside_ring;
+use enfilade_cad::plane::{distance_to_segment, is_inside_ring};
 use enfilade_config::WorkTable;
 use enfilade_engine::geometry::{PointUm, Segment};
+use enfilade_plan::axes::Opening;
 use enfilade_plan::{DrawnBy, Plan, Wall as Drawn};
 use enfilade_works::change::Quad;
 use enfilade_works::walls::{BESIDE_M, Wall, cover_m};
@@ -243,7 +245,7 @@ fn is_of_wall(base: &Understood, record: usize) -> bool {
 
 /// Records of what a drawing shows of the doors that stand where a wall goes or is closed.
 fn doors(base: &Understood, drawing: &Drawing, work: &Work) -> BTreeSet<usize> {
-    let goes = |(k, opening): &(usize, &enfilade_plan::axes::Opening)| match work.kind {
+    let goes = |(k, opening): &(usize, &Opening)| match work.kind {
         WorkKind::Remove => {
             let middle = base.plan.frame.um_from_plan(opening.centre * base.plan.human_scale);
             work.change.demolished.iter().any(|q| holds(q, middle))
@@ -252,7 +254,16 @@ fn doors(base: &Understood, drawing: &Drawing, work: &Work) -> BTreeSet<usize> {
         _ => false,
     };
     let openings = base.axes.openings.iter().enumerate().filter(goes);
-    openings.flat_map(|(_, o)| fitted::shown(base, drawing, o)).map(|e| e.source.record).collect()
+    let own = |o| fitted::shown(base, drawing, o).filter(move |e| is_of_opening(&base.plan, o, &e.shape));
+    openings.flat_map(|(_, o)| own(o)).map(|e| e.source.record).collect()
+}
+
+/// Whether something drawn lies as near to an opening as its leaf reaches: an outline of the house runs past it too.
+fn is_of_opening(plan: &Plan, opening: &Opening, shape: &Shape) -> bool {
+    let axis = opening.jambs.map(|j| j.at * plan.human_scale);
+    let reach = (opening.width_m + opening.thickness_m) * plan.human_scale;
+    let points = control_points(shape).into_iter().map(|p| plan.frame.plan_from_file(p));
+    points.into_iter().all(|p| distance_to_segment(p, axis) <= reach)
 }
 
 fn in_file(plan: &Plan, quad: &Quad) -> [DVec2; 4] {
