@@ -202,6 +202,29 @@ fn a_removal_changes_one_group_of_each_line() {
     }
 }
 
+/// An outline of the whole house runs past its doors and windows; it does not go with them.
+#[test]
+fn what_only_runs_past_an_opening_stays() {
+    let bytes = std::fs::read(sample("flat.dxf")).unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    let corners = [[4000.0, 6150.0], [9000.0, 6150.0], [9000.0, 12000.0], [4000.0, 12000.0]];
+    let points: String = corners.iter().map(|[x, y]| format!(" 10\n{x}\n 20\n{y}\n")).collect();
+    let outline = format!("LWPOLYLINE\n  5\nFFF0\n  8\nA-FOOTPRINT\n 90\n4\n 70\n1\n{points}  0\n");
+    let at = text.find("  2\nENTITIES\n  0\n").unwrap() + "  2\nENTITIES\n  0\n".len();
+    let drawn = [&text[..at], &outline, &text[at..]].concat();
+    let input = Input::new("flat.dxf", drawn.as_bytes(), 1);
+    let (listed, _) = works_of(&input, &settings(), &Cancel::default()).unwrap();
+    let close = listed.result.works.iter().filter(|w| w.kind == "close" || w.kind == "widen");
+    let mut marks = 0;
+    for work in close {
+        let made = made("flat.dxf", drawn.as_bytes(), &[work.id]).unwrap();
+        let new = String::from_utf8(made.bytes).unwrap();
+        assert!(new.contains("\n  5\nFFF0\n  8\nA-FOOTPRINT\n"), "{work:?}");
+        marks += usize::from(new.contains("\nEF-DEMOLISHED\n"));
+    }
+    assert!(marks > 0);
+}
+
 /// Undone by hand: what lies on the layer goes back to where it was, what was drawn anew goes.
 #[test]
 fn a_wall_put_back_measures_as_before() {
