@@ -6,6 +6,8 @@ use enfilade_config::{Partial, Settings};
 use enfilade_fixtures::corridor::{Rect, corners, drawing, line, polyline};
 use enfilade_overlay::result::CheckResult;
 use enfilade_pipeline::Input;
+use enfilade_pipeline::works::{make_works, works_of};
+use enfilade_report::Cancel;
 
 /// The walls of the flat as boxes: outer ones with the front door's gap, and three partitions, each with a gap of 0.9 m.
 const WALLS: [Rect; 11] = [
@@ -206,6 +208,21 @@ fn multilines_follow_and_are_followed() {
             let [(_, way)] = &ways(&marked(entities, mark))[..] else { panic!("{name} {mark:?}") };
             assert!((0..2).all(|k| (way[k] - mark.2[k]).abs() < 0.001), "{name} {mark:?}: {way:?}");
         }
+    }
+}
+
+/// Openings and removals are made in the multilines themselves, and measure what was told.
+#[test]
+fn multilines_are_cut() {
+    let text = drawing(&boxes(multiline));
+    let (settings, cancel) = (Settings::new(Partial::default()).unwrap(), Cancel::default());
+    let input = Input::new("flat.dxf", text.as_bytes(), 1);
+    let (listed, _) = works_of(&input, &settings, &cancel).unwrap();
+    for kind in ["open", "widen", "remove", "close"] {
+        let work = listed.result.works.iter().find(|w| w.kind == kind).unwrap();
+        let made = make_works(&input, &settings, &[work.id], &cancel).unwrap();
+        assert!(made.tables.is_empty(), "{kind} {:?}", made.report.problems);
+        assert!((made.expected - made.gain).abs() < 1e-3, "{kind}: {} {}", made.expected, made.gain);
     }
 }
 
