@@ -25,6 +25,9 @@ const TAKEN_APART: usize = 4;
 const YIELDING_SHARE: f64 = 0.5;
 /// Layouts of these that are ranked again.
 const RANKED: usize = 32;
+/// From so many layouts on the lattices that they are ranked on are prepared: gallery, museum hall and flat, 19 to 32 layouts,
+/// 6 to 60 ms to prepare and 3 to 30 ms less for each (`BENCHMARKS.md`).
+const PREPARED: usize = 16;
 /// Ideas taken beyond those wanted, for those that are not confirmed.
 pub(crate) const RESERVES: usize = 2;
 /// Share of an option's gain that moves may cost together which are taken back: a tenth is what a fifth wall must bring.
@@ -298,7 +301,8 @@ fn experiences(brief: &Brief<'_>, points: &[Point]) -> Vec<Experience> {
 fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Member> {
     let Brief { study, settings, objectives, .. } = brief;
     let vectors: Vec<Vec<f64>> = pool.iter().map(|m| m.parameters.clone()).collect();
-    let others = study.on_lattices(settings, &lattices::ranked(study, settings), Use::Few);
+    let use_for = if pool.len() < PREPARED { Use::Few } else { Use::Search };
+    let others = study.on_lattices(settings, &lattices::ranked(study, settings), use_for);
     let on = others.as_ref().unwrap_or(study);
     let is_allowed = |on: &Study, worth: &Worth| evaluation(on, settings, objectives, worth).violation == 0.0;
     let worths = on.measure_all(&vectors);

@@ -22,6 +22,7 @@ use enfilade_report::{Cancel, Error, Place, Report};
 use enfilade_works::{Work, WorkKind};
 use glam::DVec2;
 use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Single works that are measured in all that is asked for, the best of each pair of rooms: for speed alone.
 const SINGLES: usize = 12;
@@ -109,7 +110,12 @@ pub(super) struct Builder<'a> {
     pub(super) listed: &'a Listed,
     /// The layouts that the search found, the best first.
     pub(super) layouts: &'a [Vec<f64>],
+    /// What sets gain that were confirmed already: options are points of the front too.
+    pub(super) known: Mutex<Vec<(Asked, Gains)>>,
 }
+
+/// What a set does: its works, and the parameters of what moves.
+type Asked = (Vec<usize>, Vec<f64>);
 
 impl<'a> Builder<'a> {
     pub(super) fn floor(&self) -> &'a Floor {
@@ -128,9 +134,17 @@ impl<'a> Builder<'a> {
     /// What sets gain, each confirmed.
     pub(super) fn gains(&self, sets: &[Set]) -> Vec<Gains> {
         let Judges { study, objectives, .. } = self.judges;
-        confirmed::gains_of(study, self.job.settings, objectives, sets.len(), &|on| {
-            sets.par_iter().map(|s| on.measure_built(&s.moved.layout, &s.lines)).collect()
-        })
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_known = |known: &[(Asked, Gains)], s: &Set| {
+            known.iter().any(|k| k.0.0 == s.works && k.0.1 == s.moved.parameters)
+        };
+        let new: Vec<&Set> = sets.iter().filter(|s| !is_known(&known, s)).collect();
+        let gains = confirmed::gains_of(study, self.job.settings, objectives, new.len(), &|on| {
+            new.par_iter().map(|s| on.measure_built(&s.moved.layout, &s.lines)).collect()
+        });
+        known.extend(new.iter().map(|s| (s.works.clone(), s.moved.parameters.clone())).zip(gains));
+        let of = |s: &Set| known.iter().find(|k| k.0.0 == s.works && k.0.1 == s.moved.parameters);
+        sets.iter().map(|s| of(s).map_or_else(Gains::new, |k| k.1.clone())).collect()
     }
 
     pub(super) fn is_sure(&self, gains: &Gains) -> bool {

@@ -15,6 +15,7 @@ use enfilade_overlay::result::FrontPoint;
 use enfilade_overlay::result::{Gains, Objective};
 use enfilade_report::{Cancel, Error, Place, Report};
 use rayon::prelude::*;
+use std::sync::Mutex;
 
 /// Whether works are looked for as options: where nobody said what may move, or somebody allowed works. Whoever lets nothing
 /// move but what is marked, and marks nothing, has said nothing of works.
@@ -45,7 +46,7 @@ pub(crate) fn options(
     report: &mut Report,
     cancel: &Cancel,
 ) -> Result<Offered, Error> {
-    let builder = Builder { job, judges, listed, layouts };
+    let builder = Builder { job, judges, listed, layouts, known: Mutex::default() };
     let wanted = wanted(job.settings);
     builder.say_budget(report);
     let pinned = builder.pinned(report);
