@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::curve::control_points;
 use crate::drawing::{Drawing, Edit, RigidMotion, Shape};
-use crate::plane::distance_to_segment;
+use crate::plane::{box_of, distance_to_segment};
 
 /// What fills may lie on: where it is drawn and where it is afterwards.
 #[derive(Default)]
@@ -59,7 +59,7 @@ impl Ground {
     pub fn standing(drawing: &Drawing, edited: &HashSet<usize>, bounds: [DVec2; 2]) -> Self {
         let mut ground = Self::default();
         let others = drawing.entities.iter().filter(|e| !edited.contains(&e.source.record));
-        for e in others.filter(|e| box_of(&reach(&e.shape)).is_some_and(|b| overlap(b, bounds))) {
+        for e in others.filter(|e| box_of(reach(&e.shape).into_iter()).is_some_and(|b| overlap(b, bounds))) {
             ground.add(&e.shape, &e.shape);
         }
         ground
@@ -110,7 +110,7 @@ impl Ground {
 
     pub fn bounds(&self) -> Option<[DVec2; 2]> {
         let round = self.discs.iter().flat_map(|d| [d.centre - d.radius, d.centre + d.radius]);
-        box_of(&self.nodes.iter().map(|n| n.from).chain(round).collect::<Vec<_>>())
+        box_of(self.nodes.iter().map(|n| n.from).chain(round))
     }
 }
 
@@ -169,11 +169,6 @@ fn reach(shape: &Shape) -> Vec<DVec2> {
         Shape::Circle { centre, radius } => vec![*centre - *radius, *centre + *radius],
         other => control_points(other),
     }
-}
-
-pub(super) fn box_of(points: &[DVec2]) -> Option<[DVec2; 2]> {
-    let first = *points.first()?;
-    Some(points.iter().fold([first; 2], |[low, high], p| [low.min(*p), high.max(*p)]))
 }
 
 pub(super) fn overlap([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {

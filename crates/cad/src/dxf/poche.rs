@@ -8,13 +8,13 @@ use glam::DVec2;
 use super::boundary::{At, Boundary, Piece, boundary, quad};
 use super::curves::is_upright;
 use super::fields::{Fields, VertexSlots, lwpolyline_vertices, own_pairs};
-use super::ground::{Face, Ground, box_of, crossing, distance_to_line, overlap};
+use super::ground::{Face, Ground, crossing, distance_to_line, overlap};
 use super::header::Header;
 use super::rooms::room;
 use super::tokens::{Pair, Tokens};
 use crate::drawing::{Drawing, Edit, Entity, Shape, SourceRef};
 use crate::own_layers::is_own;
-use crate::plane::distance_to_segment;
+use crate::plane::{box_of, distance_to_segment};
 use crate::roles::{Role, role_by_name};
 
 /// A corner is on what lies within this much of it, in parts of the smaller side of the box round the fill.
@@ -109,7 +109,9 @@ pub(super) fn left_on_faces<'d>(
     let is_left = |e: &Entity| {
         let Shape::Polyline { vertices, closed: true } = &e.shape else { return false };
         let corners: Vec<DVec2> = vertices.iter().map(|v| v.at).collect();
-        let (Some(around), Some(ground)) = (box_of(&corners), moved.bounds()) else { return false };
+        let (Some(around), Some(ground)) = (box_of(corners.iter().copied()), moved.bounds()) else {
+            return false;
+        };
         let tolerance = ON_SHARE * (around[1] - around[0]).min_element();
         let left = || corners.iter().filter(|p| moved.leaves(**p, tolerance)).count();
         overlap(around, ground) && left() >= CORNERS_LEFT_MIN
@@ -200,7 +202,7 @@ impl Area {
         let arcs = area.outlines.iter().flat_map(|o| &o.arcs);
         let round = arcs.flat_map(|a| [-a.radius, a.radius].map(|r| area.points[a.centre] + r));
         let corners = area.outlines.iter().flat_map(|o| &o.corners).map(|&i| area.points[i]);
-        let [low, high] = box_of(&corners.chain(round).collect::<Vec<_>>())?;
+        let [low, high] = box_of(corners.chain(round))?;
         area.tolerance = ON_SHARE * (high - low).min_element();
         area.bounds = [low - area.tolerance, high + area.tolerance];
         Some(area)
