@@ -5,6 +5,7 @@ mod bars;
 mod beside;
 mod corners;
 mod ends;
+mod follower;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,11 +17,12 @@ pub(super) use ends::Along;
 
 use bars::{Bar, Bars};
 use corners::{Corner, Finder, Turn, cannot_follow, kept_words, too_acute};
-use ends::{Follower, Lengths};
+use ends::Lengths;
 use enfilade_plan::Plan;
 use enfilade_plan::axes::{AxisGraph, FaceRef};
 use enfilade_plan::graph::{Graph, Handle};
 use enfilade_plan::structure::face_handles;
+use follower::Follower;
 
 /// Walls that meet at less than this angle are not mitred: the mitre would run far beyond the joint.
 pub const CROSSING_MIN_RAD: f64 = 0.21;

@@ -10,7 +10,7 @@ use super::curves::is_upright;
 use super::fields::{Fields, VertexSlots, lwpolyline_vertices, own_pairs};
 use super::ground::{Face, Ground, crossing, distance_to_line, overlap};
 use super::header::Header;
-use super::rooms::room;
+use super::rooms::{self, room};
 use super::tokens::{Pair, Tokens};
 use crate::drawing::{Drawing, Edit, Entity, Shape, SourceRef};
 use crate::own_layers::is_own;
@@ -64,14 +64,19 @@ pub(super) fn following(
     let is_room =
         |record: &usize| is_closed_polyline(tokens, *record) && role_by_name(&layer(*record)).0 == Role::Room;
     let fills: Vec<usize> = section.clone().filter(is_free).filter(is_fill).collect();
-    let rooms: Vec<usize> = section.filter(is_free).filter(is_room).collect();
+    let outlines: Vec<usize> = section.filter(is_free).filter(is_room).collect();
     let shown = drawing.entities.iter().map(|e| e.source.record);
     let others: HashSet<usize> = shown.filter(|r| !held.contains(r)).chain(edited.clone()).collect();
     let (mut out, mut left) = (Vec::new(), Vec::new());
-    for record in rooms {
+    for record in outlines {
         let Some(area) = Area::read(tokens, record) else { continue };
-        match room(&area, &moved, (drawing, &others), metres) {
-            Ok(following) => out.extend(following),
+        let (points, bounds) = (&area.points, area.bounds);
+        let outline = rooms::Outline { points, round: area.round().collect(), bounds };
+        match room(&outline, &moved, (drawing, &others), metres) {
+            Ok(new) => out.extend(new.map(|new| Following {
+                corners: [area.points.clone(), new.clone()],
+                edit: Edit::Points { record, points: new },
+            })),
             Err(_) => left.push(record),
         }
     }
@@ -144,15 +149,15 @@ fn ring(tokens: &Tokens<'_>, record: usize) -> Option<Boundary> {
 }
 
 /// Places of the points of a filled area, and what its outlines are made of.
-pub(super) struct Area {
-    pub record: usize,
+struct Area {
+    record: usize,
     /// As seen from above, drawing units; in the order of [`points_of`].
-    pub points: Vec<DVec2>,
+    points: Vec<DVec2>,
     outlines: Vec<Outline>,
     /// Points that lie inside.
     seeds: Vec<usize>,
     /// Box round the outlines.
-    pub bounds: [DVec2; 2],
+    bounds: [DVec2; 2],
     tolerance: f64,
 }
 
@@ -319,8 +324,8 @@ impl Area {
         })
     }
 
-    /// Pairs of corners between which the outline is round.
-    pub fn round(&self) -> impl Iterator<Item = [usize; 2]> {
+    /// Pairs of corners between which an outline is round.
+    fn round(&self) -> impl Iterator<Item = [usize; 2]> {
         self.outlines.iter().flat_map(|o| o.round.iter().copied())
     }
 

@@ -5,8 +5,7 @@ use std::collections::HashSet;
 use glam::DVec2;
 
 use super::ground::{Face, Ground, overlap};
-use super::poche::{Area, Following};
-use crate::drawing::{Drawing, Edit, RigidMotion};
+use crate::drawing::{Drawing, RigidMotion};
 use crate::plane::distance_to_segment;
 use crate::room_outline::{ON_WALL_M, PARALLEL_SIN, Walls, Way, followed};
 
@@ -45,35 +44,45 @@ fn way_of(face: &Face, still: f64) -> Way {
     if across.length() <= still { Way::default() } else { Way { along: across, motion: None } }
 }
 
-/// The outline of a room after its walls went; nothing where none of its sides lies on what moves.
+/// The outline of a room as drawn.
+pub(super) struct Outline<'a> {
+    /// Its corners, drawing units.
+    pub points: &'a [DVec2],
+    /// Between which of them it is round.
+    pub round: Vec<[usize; 2]>,
+    /// Box round it.
+    pub bounds: [DVec2; 2],
+}
+
+/// The corners of a room's outline after its walls went; nothing where none of its sides lies on what moves. `metres`: those of
+/// a drawing unit.
 ///
 /// # Errors
 /// In words, why it cannot follow.
 pub(super) fn room(
-    area: &Area,
+    outline: &Outline<'_>,
     moved: &Ground,
     (drawing, passed_over): (&Drawing, &HashSet<usize>),
     metres: f64,
-) -> Result<Option<Following>, String> {
+) -> Result<Option<Vec<DVec2>>, String> {
     let near = ON_WALL_M / metres;
-    let bounds = [area.bounds[0] - near, area.bounds[1] + near];
+    let bounds = [outline.bounds[0] - near, outline.bounds[1] + near];
     if moved.bounds().is_none_or(|m| !overlap(bounds, m)) {
         return Ok(None);
     }
     let standing = Ground::standing(drawing, passed_over, bounds);
     let faces = moved.faces.iter().chain(&standing.faces);
     let walls = Beside { faces: faces.map(|f| (f, way_of(f, STILL_M / metres))).collect(), near };
-    let points = followed(&area.points, &walls, metres)?;
-    if points.iter().zip(&area.points).all(|(p, q)| p.distance(*q) * metres <= STILL_M) {
+    let points = followed(outline.points, &walls, metres)?;
+    if points.iter().zip(outline.points).all(|(p, q)| p.distance(*q) * metres <= STILL_M) {
         return Ok(None);
     }
     let keeps = |[i, j]: [usize; 2]| {
         let length = |points: &[DVec2]| points[i].distance(points[j]);
-        (length(&points) - length(&area.points)).abs() * metres <= STILL_M
+        (length(&points) - length(outline.points)).abs() * metres <= STILL_M
     };
-    if !area.round().all(keeps) {
+    if !outline.round.iter().copied().all(keeps) {
         return Err("a round side of it would change".into());
     }
-    let corners = [area.points.clone(), points.clone()];
-    Ok(Some(Following { corners, edit: Edit::Points { record: area.record, points } }))
+    Ok(Some(points))
 }

@@ -6,12 +6,11 @@ use glam::DVec2;
 
 use super::CROSSING_MIN_RAD;
 use super::bars::Bar;
-use super::ends::Follower;
+use super::follower::{Follower, place_um};
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::Editable;
 use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
 use enfilade_plan::axes::AxisGraph;
-use enfilade_plan::graph::Handle;
 use enfilade_plan::structure::face_handles;
 use enfilade_plan::{Plan, Plug, Wall};
 
@@ -112,11 +111,6 @@ impl Beside {
         let is_near = |p: &[i64; 2]| (0..2).all(|k| (self.box_um[0][k]..=self.box_um[1][k]).contains(&p[k]));
         corners.iter().copied().filter(is_near).any(|p| self.pieces.iter().any(|s| far(s, p) <= JOINT_M))
     }
-}
-
-/// Where a control point is drawn.
-pub(super) fn place_um(plan: &Plan, (wall, corner): Handle) -> PointUm {
-    plan.frame.um_from_file(control_points(&plan.walls[wall as usize].shape)[corner as usize])
 }
 
 /// The direction of a wall from its first end to its second: its longest piece that ends at one of them.

@@ -4,40 +4,20 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
+use super::Refusal;
 use super::bars::{Bars, Motion, Moving};
-use super::beside::{Beside, ByRecord, along, place_um};
-use super::{CROSSING_MIN_RAD, Refusal};
+use super::beside::{Beside, ByRecord, along};
+use super::follower::Follower;
 use crate::remains::{NOISE_M, REST_M};
 use crate::{Slid, with_points};
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Editable, RigidMotion, Shape};
-use enfilade_engine::geometry::PointUm;
 use enfilade_plan::Plan;
 use enfilade_plan::axes::AxisGraph;
 use enfilade_plan::graph::{Graph, Handle};
 
 /// By record: how far both ends go along the wall's axis, metres.
 pub(crate) type Lengths = BTreeMap<usize, [f64; 2]>;
-
-/// An end that goes less far than this share of a shift stays.
-const STILL: f64 = 1e-6;
-
-/// An end of a wall that follows a group.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Follower {
-    /// The group that it follows.
-    pub group: usize,
-    /// Record of its wall.
-    pub record: usize,
-    /// Which of its two ends.
-    pub end: usize,
-    /// The control points of that end.
-    pub handles: Vec<Handle>,
-    /// Unit vector along its wall, from the first end to the second, plan frame.
-    pub along: DVec2,
-    /// Unit normal of the wall that is followed.
-    pub normal: DVec2,
-}
 
 /// What both ends of one wall do.
 #[derive(Clone, Copy, Debug)]
@@ -154,27 +134,6 @@ pub(super) fn along_of(plan: &Plan, followers: &[Follower], wall: u32, lengths: 
         Some(Slid { slot, shift: along * by[0] })
     });
     Along { ends: of(record), slid: slid.collect() }
-}
-
-impl Follower {
-    /// How far the end goes along its own wall where the wall it ends at shifts: its face stays on the other's.
-    pub fn way(&self, shift: DVec2) -> f64 {
-        let across = self.normal.dot(self.along);
-        if across.abs() < CROSSING_MIN_RAD.sin() {
-            return shift.dot(self.along);
-        }
-        shift.dot(self.normal) / across
-    }
-
-    /// Where its control points stand.
-    pub fn corners(&self, plan: &Plan) -> Vec<PointUm> {
-        self.handles.iter().map(|h| place_um(plan, *h)).collect()
-    }
-
-    /// Whether its group ever shifts it.
-    pub fn is_moved(&self, moving: Moving<'_>) -> bool {
-        moving.shifts(self.group).any(|(direction, _)| self.way(direction).abs() > STILL)
-    }
 }
 
 /// How far into its own wall an end goes at most.
