@@ -35,6 +35,7 @@ pub use beside::{Beside, Twin};
 pub use budget::Budget;
 pub use choices::{Allow, Colours, Overlay, Thresholds, Unsure};
 pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
+use enfilade_brief::WorkKind;
 pub use enfilade_brief::{Measure, Method, Mode, Source};
 use enfilade_report::{Error, Place, counted};
 pub use files::{is_settings, settings_files, unread_side_cars};
@@ -528,6 +529,10 @@ impl Settings {
             let places = one.works.iter().flat_map(|w| &w.stretch).flatten();
             if let Some(v) = places.copied().find(|v| !v.is_finite()) {
                 return Err(bad("pin-option", &v.to_string(), "finite places of works"));
+            }
+            if let Some(w) = one.works.iter().find(|w| WorkKind::of_name(&w.kind).is_none()) {
+                let kinds = WorkKind::ALL.map(WorkKind::name).join(", ");
+                return Err(bad("pin-option", &format!("{:?}", w.kind), &format!("a kind of work: {kinds}")));
             }
             if one.works.is_empty() {
                 return Err(bad(

@@ -60,6 +60,15 @@ pub fn fitted(base: &Understood, settings: &Settings, report: &mut Report) -> Re
     let mut out = settings.clone();
     let now = known_moves(base);
     let place = || Place::file(&base.plan.file);
+    let count = base.moves.parameters.len();
+    let is_other = |n: &usize| settings.pin_moves.is_empty() && ![0, count].contains(n);
+    if let Some(n) = settings.pinned_options.iter().map(|o| o.parameters.len()).find(is_other) {
+        let text = format!(
+            "pin-option: an option of {}, the drawing has {count}; nothing was done",
+            counted(n as u64, "parameter")
+        );
+        return Err(Error::usage("pin", place(), text));
+    }
     if !settings.pin_moves.is_empty() {
         let (pinned, wrong) = refit(base, &now, &settings.pin_moves, &settings.pinned);
         if !wrong.is_empty() {

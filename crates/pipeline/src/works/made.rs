@@ -12,7 +12,7 @@ use crate::read;
 use crate::understand::edits::{edits_of, tied};
 use crate::understand::understood;
 use crate::understand::understood::Understood;
-use enfilade_cad::drawing::Edit;
+use enfilade_cad::drawing::{Edit, EntityWork, Format, Shape};
 use enfilade_config::{Settings, WorkTable};
 use enfilade_engine::Obstacles;
 use enfilade_engine::geometry::Segment;
@@ -22,8 +22,8 @@ use enfilade_overlay::built::OptionWork;
 use enfilade_overlay::works::LEAST_SHOWN;
 use enfilade_plan::view_box;
 use enfilade_report::{Cancel, Error, Place, Report};
-use enfilade_works::Work;
 use enfilade_works::counts::degrees;
+use enfilade_works::{Work, WorkKind};
 
 /// Works of a drawing as they were made.
 #[derive(Clone, Debug)]
@@ -97,8 +97,20 @@ fn differs([expected, gain]: [f64; 2]) -> Option<String> {
     })
 }
 
+/// Whether the door of a work is an opening alone in a drawing: nothing is built or copied but its jambs.
+fn is_bare_door(format: Format, work: &Work, written: &Written) -> bool {
+    let is_door = matches!(work.kind, WorkKind::Door | WorkKind::Rehang);
+    let has_arc = |shapes: &[Shape]| shapes.iter().any(|s| matches!(s, Shape::Arc { .. }));
+    let is_leaf = |e: &Edit| match e {
+        Edit::Work { work: EntityWork::Copy { .. }, .. } => true,
+        Edit::Work { work: EntityWork::Build { shapes }, .. } => has_arc(shapes),
+        _ => false,
+    };
+    format == Format::Dxf && is_door && !written.edits.iter().any(is_leaf)
+}
+
 /// Whether two works change the same stretch of one wall.
-fn overlap(a: &Work, b: &Work) -> bool {
+pub(super) fn overlap(a: &Work, b: &Work) -> bool {
     let [p, q] = a.stretch;
     let along = (q - p).normalize_or_zero();
     let [s, e] = b.stretch.map(|x| (x - p).dot(along));
@@ -276,7 +288,15 @@ fn together(
     let (mut held, mut tables): (Vec<&Work>, Vec<WorkTable>) = (Vec::new(), Vec::new());
     for (id, work) in works {
         match in_file(&[*work]) {
-            Ok(_) => held.push(*work),
+            Ok(written) => {
+                if is_bare_door(study.base.plan.format, work, &written) {
+                    let text = format!(
+                        "Work {id} has no leaf: the drawing shows no door whose like could be drawn."
+                    );
+                    report.info("work-leaf", Place::file(input.file()), text);
+                }
+                held.push(*work);
+            }
             Err(why) => {
                 let text = format!("The side-car of the new drawing decides work {id}: {why}.");
                 report.info("work-decided", Place::file(input.file()), text);

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::builder::{Builder, Set};
-use super::made::Moved;
+use super::made::{Moved, overlap};
 use crate::measure::worth::Worth;
 use crate::search::rules;
 use enfilade_config::{PinnedOption, PinnedWork};
@@ -21,12 +21,8 @@ impl Builder<'_> {
         for pinned in &self.job.settings.pinned_options {
             match self.found_again(pinned) {
                 Ok(set) => out.push(set),
-                Err(lost) => {
-                    let [x, y] = lost.stretch[0];
-                    let text = format!(
-                        "A pinned option has no place any more for its work `{}` at {x:.2}, {y:.2} m; it is left out.",
-                        lost.kind
-                    );
+                Err(why) => {
+                    let text = format!("A pinned option is left out: {why}.");
                     report.warn("pin-works", Place::file(self.job.input.file()), text);
                 }
             }
@@ -45,21 +41,39 @@ impl Builder<'_> {
 
     /// What of the limits and rules a set breaks, in words.
     pub(super) fn broken(&self, set: &Set, worth: &Worth) -> Vec<String> {
-        let mut out = rules::broken_limits(self.judges.study, self.job.settings, worth);
-        let forbidden = set.works.iter().map(|w| &self.listed.result.works[*w]).filter(|e| !e.is_allowed);
-        out.extend(forbidden.map(|e| format!("that {}", self.listed.result.line(e))));
-        let works = set.works.len();
-        if !self.job.settings.budget.holds(works, set.effort_m) {
-            out.push(format!("`--budget \"{}\"`", self.job.settings.budget));
+        let (study, settings) = (self.judges.study, self.job.settings);
+        let control = rules::control(&study.base, settings).ok().filter(|_| set.moved.is_any());
+        let mut out = match control {
+            Some(control) => rules::broken(study, settings, &control, (&set.moved.parameters, worth)),
+            None => rules::broken_limits(study, settings, worth),
+        };
+        let result = &self.listed.result;
+        let forbidden = set.works.iter().map(|w| &result.works[*w]).filter(|e| !e.is_allowed);
+        out.extend(
+            forbidden.map(|e| format!("a rule of its works ({}: {})", result.title(e), result.rule_words(e))),
+        );
+        if !settings.budget.holds(set.works.len(), set.effort_m) {
+            out.push(format!("`--budget \"{}\"`", settings.budget));
         }
         out
     }
 
-    fn found_again<'p>(&self, pinned: &'p PinnedOption) -> Result<Set, &'p PinnedWork> {
-        let mut works: Vec<usize> =
-            pinned.works.iter().map(|w| self.place_of(w).ok_or(w)).collect::<Result<_, _>>()?;
+    /// # Errors
+    /// In words, why there is no such set.
+    fn found_again(&self, pinned: &PinnedOption) -> Result<Set, String> {
+        let place = |w: &PinnedWork| {
+            let [x, y] = w.stretch[0];
+            let lost = || format!("its work `{}` has no place any more at {x:.2}, {y:.2} m", w.kind);
+            self.place_of(w).ok_or_else(lost)
+        };
+        let mut works: Vec<usize> = pinned.works.iter().map(place).collect::<Result<_, _>>()?;
         works.sort_unstable();
         works.dedup();
+        let is_apart =
+            |(i, w): (usize, &usize)| works[..i].iter().all(|o| !overlap(self.work(*o), self.work(*w)));
+        if !works.iter().enumerate().all(is_apart) {
+            return Err("two of its works change the same stretch of a wall".into());
+        }
         let base = &self.judges.study.base;
         let is_still = pinned.parameters.is_empty();
         let moved = if is_still { Moved::none(base) } else { Moved::new(base, pinned.parameters.clone()) };

@@ -359,6 +359,21 @@ fn what_a_pinned_option_that_builds_breaks_is_told() {
     assert_eq!(broken.candidates[0].works, option.works);
     assert_eq!(broken.candidates[0].explanation.breaks.len(), 1);
     assert!(has(&broken, "pinned-breaks") && !broken.candidates[0].within_threshold);
+    // Both of one stretch, and more numbers than moves.
+    let twice = pin.replacen("works = [", "works = [{ kind = \"open\", stretch = STRETCH }, ", 1);
+    let [[a, b], [c, d]] = option.works[0].stretch;
+    let twice = twice.replace("STRETCH", &format!("[[{a:?}, {b:?}], [{c:?}, {d:?}]]"));
+    let twice = round("flat.dxf", &bytes, &twice).result;
+    assert!(has(&twice, "pin-works") && twice.pinned_count() == 0);
+    let longer = pin.replacen("parameters = [", "parameters = [0.0, ", 1);
+    let settings = Settings::new(Partial::from_toml("", &format!("{FEW}{longer}")).unwrap()).unwrap();
+    let input = Input::new("flat.dxf", &bytes, 1);
+    let refused = run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default());
+    assert!(matches!(refused, Err(Error::Usage(_))));
+    assert!(
+        Partial::from_toml("", &pin.replace("\"widen\"", "\"blow-up\"").replace("\"open\"", "\"blow-up\""))
+            .is_err()
+    );
     let [x, y] = option.works[0].stretch[0];
     let elsewhere = pin.replacen(&format!("[{x:?}, {y:?}]"), "[-50.0, 0.0]", 1);
     assert_ne!(elsewhere, pin);
