@@ -370,10 +370,8 @@ fn what_a_pinned_option_that_builds_breaks_is_told() {
     let input = Input::new("flat.dxf", &bytes, 1);
     let refused = run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default());
     assert!(matches!(refused, Err(Error::Usage(_))));
-    assert!(
-        Partial::from_toml("", &pin.replace("\"widen\"", "\"blow-up\"").replace("\"open\"", "\"blow-up\""))
-            .is_err()
-    );
+    let unknown = pin.replace("\"widen\"", "\"blow-up\"").replace("\"open\"", "\"blow-up\"");
+    assert!(Partial::from_toml("", &unknown).and_then(Settings::new).is_err());
     let [x, y] = option.works[0].stretch[0];
     let elsewhere = pin.replacen(&format!("[{x:?}, {y:?}]"), "[-50.0, 0.0]", 1);
     assert_ne!(elsewhere, pin);
