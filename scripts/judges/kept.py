@@ -19,28 +19,21 @@ import os
 import re
 import shutil
 import struct
-import subprocess
 import sys
 import tempfile
 from collections import Counter
+
+from works import NAMES_M, enfilade
 
 # What lies so far from a stretch of wall is not of the work: a thick wall and what is drawn at it.
 BESIDE_M = 0.7
 # What differs less is rounding, metres.
 ROUNDING_M = 1e-4
-NAMES_M = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 # Group codes of points, bulges, lengths and angles; counts of vertices.
 GEOMETRY = set(range(10, 19)) | set(range(20, 29)) | set(range(30, 39)) | {40, 41, 42, 43, 49, 50, 51, 71, 72, 73, 90, 93}
 # Kinds with which a door may go, and how far its leaf reaches.
 WITH_A_DOOR, LEAF_M = ("remove", "close", "widen", "rehang", "end", "door"), 1.5
 OWN = "EF-"
-
-
-def enfilade(program, *args):
-    done = subprocess.run([program, *args], capture_output=True, text=True, timeout=600)
-    if done.returncode not in (0, 1):
-        raise RuntimeError(f"{' '.join(args)}: {done.returncode} {done.stderr.strip().splitlines()[-1:]}")
-    return done.stdout
 
 
 def records(path):

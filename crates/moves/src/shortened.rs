@@ -131,7 +131,11 @@ fn shortened(clause: &Clause, [lower, upper]: [End; 2]) -> Clause {
         let thousandths = (end - still) * to.share * 1e3;
         match to {
             _ if to.share == 1.0 => end,
-            End { is_outward: true, .. } => still + thousandths.signum() * thousandths.abs().ceil() / 1e3,
+            // Never beyond what was stated.
+            End { is_outward: true, .. } => {
+                let out = (thousandths.abs().ceil() / 1e3).min((end - still).abs());
+                still + thousandths.signum() * out
+            }
             _ => still + thousandths.trunc() / 1e3,
         }
     };

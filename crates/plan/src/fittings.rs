@@ -65,7 +65,7 @@ pub fn reach_m(opening: &Opening) -> f64 {
 }
 
 /// Whether an entity lies all near an opening: what reaches farther is no part of a door or window.
-fn is_near(plan: &Plan, e: &Entity, opening: &Opening) -> bool {
+pub fn is_near(plan: &Plan, e: &Entity, opening: &Opening) -> bool {
     let points = curve::trace(&e.shape, &plan.frame).points;
     let at = |p: &PointUm| plan.frame.plan_from_um(*p) / plan.human_scale;
     points.iter().all(|p| at(p).distance(opening.centre) <= reach_m(opening))

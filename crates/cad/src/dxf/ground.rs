@@ -103,7 +103,7 @@ impl Ground {
         self.faces.iter().filter(on).any(|f| distance_to_line(p, f.to) > tolerance)
     }
 
-    /// Adds what goes along with the rest.
+    /// Adds an outline that follows, before and after.
     pub fn add_ring(&mut self, [before, after]: &[Vec<DVec2>; 2]) {
         self.nodes.extend(before.iter().zip(after).map(|(&from, &to)| Node { from, to }));
     }

@@ -52,6 +52,8 @@ pub struct Tied {
 /// the outlines of rooms. They stand in model space, or in a block where one of the changed
 /// entities does.
 ///
+/// `metres`: those of a drawing unit; the outline of a room that lies on what moves and cannot follow is stale.
+///
 /// # Errors
 /// [`Error::Input`] where the bytes are no DXF.
 pub fn tied(

@@ -40,7 +40,7 @@ pub struct Following {
 
 /// The HATCH, SOLID and TRACE of model space of which every corner lies on what `edits` move or on what stands, and for
 /// which both say where it is afterwards; in file order, none of `held`. An outline that would turn over stays. The closed
-/// LWPOLYLINE of a layer of rooms goes along by its sides, with what is `held` alone: rooms do not hold each other. Besides,
+/// LWPOLYLINE of a layer of rooms follows by its sides what is `held` alone: rooms do not hold each other. Besides,
 /// the rooms that lie on what moves and cannot follow. `metres`: those of a drawing unit.
 pub(super) fn following(
     tokens: &Tokens<'_>,

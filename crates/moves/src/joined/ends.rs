@@ -27,7 +27,7 @@ pub(crate) struct Ends {
     along: DVec2,
 }
 
-/// What goes along one wall: its ends, and openings in it.
+/// What shifts along one wall: its ends, and openings in it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Along {
     /// Its ends, where its length changes.

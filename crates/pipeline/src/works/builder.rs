@@ -63,6 +63,15 @@ pub(super) struct Set {
     pub(super) experience: Experience,
 }
 
+/// What a set does: its works, and the parameters of what moves.
+type Asked = (Vec<usize>, Vec<f64>);
+
+impl Set {
+    fn asked(&self) -> Asked {
+        (self.works.clone(), self.moved.parameters.clone())
+    }
+}
+
 /// Every work that gains alone, the sets of those among which sets are looked for, and the best of these in other sizes: all
 /// that the budget holds, those that show most first.
 ///
@@ -114,9 +123,6 @@ pub(super) struct Builder<'a> {
     pub(super) known: Mutex<Vec<(Asked, Gains)>>,
 }
 
-/// What a set does: its works, and the parameters of what moves.
-type Asked = (Vec<usize>, Vec<f64>);
-
 impl<'a> Builder<'a> {
     pub(super) fn floor(&self) -> &'a Floor {
         &self.listed.floor
@@ -131,20 +137,18 @@ impl<'a> Builder<'a> {
         self.job.settings.budget.holds(1, entry.effort.length_m())
     }
 
-    /// What sets gain, each confirmed.
+    /// What sets gain, each confirmed once.
     pub(super) fn gains(&self, sets: &[Set]) -> Vec<Gains> {
         let Judges { study, objectives, .. } = self.judges;
-        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_known = |known: &[(Asked, Gains)], s: &Set| {
-            known.iter().any(|k| k.0.0 == s.works && k.0.1 == s.moved.parameters)
-        };
-        let new: Vec<&Set> = sets.iter().filter(|s| !is_known(&known, s)).collect();
+        // Locked for a moment only: what is measured between takes all threads.
+        let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let of = |s: &Set| known().iter().find(|k| k.0 == s.asked()).map(|k| k.1.clone());
+        let new: Vec<&Set> = sets.iter().filter(|s| of(s).is_none()).collect();
         let gains = confirmed::gains_of(study, self.job.settings, objectives, new.len(), &|on| {
             new.par_iter().map(|s| on.measure_built(&s.moved.layout, &s.lines)).collect()
         });
-        known.extend(new.iter().map(|s| (s.works.clone(), s.moved.parameters.clone())).zip(gains));
-        let of = |s: &Set| known.iter().find(|k| k.0.0 == s.works && k.0.1 == s.moved.parameters);
-        sets.iter().map(|s| of(s).map_or_else(Gains::new, |k| k.1.clone())).collect()
+        known().extend(new.iter().map(|s| s.asked()).zip(gains));
+        sets.iter().map(|s| of(s).unwrap_or_default()).collect()
     }
 
     pub(super) fn is_sure(&self, gains: &Gains) -> bool {

@@ -9,13 +9,12 @@ use super::cuts::{holds, meets, parts};
 use super::fitted;
 use crate::understand::building::NamedOpening;
 use crate::understand::understood::Understood;
-use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{
     Addition, Drawing, Edit, Editable, EntityWork, Filling, Format, Mark, Shape, Vertex,
 };
 use enfilade_cad::dxf::{Probe, fills_at};
 use enfilade_cad::own_layers::{DEMOLISHED, DEMOLISHED_RGB};
-use enfilade_cad::plane::{distance_to_segment, is_inside_ring};
+use enfilade_cad::plane::is_inside_ring;
 use enfilade_config::WorkTable;
 use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_plan::axes::Opening;
@@ -254,16 +253,7 @@ fn doors(base: &Understood, drawing: &Drawing, work: &Work) -> BTreeSet<usize> {
         _ => false,
     };
     let openings = base.axes.openings.iter().enumerate().filter(goes);
-    let own = |o| fitted::shown(base, drawing, o).filter(move |e| is_of_opening(&base.plan, o, &e.shape));
-    openings.flat_map(|(_, o)| own(o)).map(|e| e.source.record).collect()
-}
-
-/// Whether something drawn lies as near to an opening as its leaf reaches: an outline of the house runs past it too.
-fn is_of_opening(plan: &Plan, opening: &Opening, shape: &Shape) -> bool {
-    let axis = opening.jambs.map(|j| j.at * plan.human_scale);
-    let reach = (opening.width_m + opening.thickness_m) * plan.human_scale;
-    let points = control_points(shape).into_iter().map(|p| plan.frame.plan_from_file(p));
-    points.into_iter().all(|p| distance_to_segment(p, axis) <= reach)
+    openings.flat_map(|(_, o)| fitted::shown(base, drawing, o)).map(|e| e.source.record).collect()
 }
 
 fn in_file(plan: &Plan, quad: &Quad) -> [DVec2; 4] {

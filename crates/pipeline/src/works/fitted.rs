@@ -8,6 +8,7 @@ use crate::understand::understood::Understood;
 use enfilade_cad::drawing::{Drawing, Edit, Editable, Entity, EntityWork, RigidMotion, Shape};
 use enfilade_plan::Plan;
 use enfilade_plan::axes::{Opening, OpeningKind};
+use enfilade_plan::fittings::is_near;
 use enfilade_works::walls::Wall;
 use enfilade_works::{Work, WorkKind};
 
@@ -15,14 +16,14 @@ use enfilade_works::{Work, WorkKind};
 /// places ([`STEP_M`](enfilade_works::counts::STEP_M)).
 const FITS_M: f64 = enfilade_works::counts::STEP_M / 10.0;
 
-/// What draws an opening: leaves, swings, frames, panes.
+/// What draws an opening: leaves, swings, frames, panes; not what only runs past it.
 pub(super) fn shown<'a>(
     base: &'a Understood,
     drawing: &'a Drawing,
     opening: &'a Opening,
 ) -> impl Iterator<Item = &'a Entity> {
     let entity = |m: &u32| base.marked.get(*m as usize).and_then(|e| drawing.entities.get(*e));
-    opening.marks.iter().filter_map(entity)
+    opening.marks.iter().filter_map(entity).filter(|e| is_near(&base.plan, e, opening))
 }
 
 /// The leaf or the pane of a work that has one; `None` where the drawing shows no door or window whose like could be drawn.

@@ -138,7 +138,7 @@ impl Taking<'_> {
         Ok(())
     }
 
-    /// Takes what is pinned, whatever it gains; what the drawing cannot hold any more is told.
+    /// Takes what somebody pinned, whatever it gains; says what the drawing cannot hold any more.
     fn keep(&mut self, pinned: Vec<Set>, report: &mut Report) {
         let gains = self.builder.gains(&pinned);
         for (set, gains) in pinned.into_iter().zip(gains) {

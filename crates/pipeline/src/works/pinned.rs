@@ -15,7 +15,7 @@ use enfilade_works::counts::STEP_M;
 const SAME_PLACE_M: f64 = STEP_M / 2.0;
 
 impl Builder<'_> {
-    /// The pinned options as sets of works; those of which a work has no place any more are told and left out.
+    /// The pinned options as sets of works; leaves out those of which a work has no place any more, and says so.
     pub(super) fn pinned(&self, report: &mut Report) -> Vec<Set> {
         let mut out = Vec::new();
         for pinned in &self.job.settings.pinned_options {
