@@ -73,10 +73,20 @@ impl Eyes {
 
     /// Forgets the watches of a root whose folder was made anew; the next scan arms it again.
     pub fn rearm(&mut self, root: &Path) {
-        let mut armed = self.armed.lock().unwrap_or_else(PoisonError::into_inner);
-        let stale: Vec<PathBuf> = armed.keys().filter(|p| p.starts_with(root)).cloned().collect();
-        for path in stale {
-            armed.remove(&path);
+        self.disarm(|path, _| path.starts_with(root));
+    }
+
+    /// Ends the watches of the armed folders that are `stale`.
+    fn disarm(&mut self, stale: impl Fn(&Path, &Identity) -> bool) {
+        // The lock is let go of first: the system's thread may want it for an event, and only when that is told does it
+        // answer an unwatch.
+        let mut gone = Vec::new();
+        self.armed.lock().unwrap_or_else(PoisonError::into_inner).retain(|path, identity| {
+            let is_stale = stale(path, identity);
+            gone.extend(is_stale.then(|| path.clone()));
+            !is_stale
+        });
+        for path in gone {
             if let Some(watcher) = &mut self.watcher {
                 // The folder may be gone and its watch with it: there is nothing to do about that.
                 let _ = watcher.unwatch(&path);
@@ -108,33 +118,32 @@ impl Eyes {
 
     /// Brings the watches in line with the folders that are there; whether a new one was armed.
     fn arm(&mut self, index: usize, folders: &BTreeMap<PathBuf, Identity>) -> bool {
-        let root = &mut self.roots[index];
-        let Some(watcher) = self.watcher.as_mut().filter(|_| !root.is_polled) else { return false };
-        let mut armed = self.armed.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_stale = |p: &PathBuf, id: &Identity| p.starts_with(&root.path) && folders.get(p) != Some(id);
-        let stale: Vec<PathBuf> =
-            armed.iter().filter(|(p, id)| is_stale(p, id)).map(|(p, _)| p.clone()).collect();
-        for path in stale {
-            armed.remove(&path);
-            let _ = watcher.unwatch(&path);
+        if self.watcher.is_none() || self.roots[index].is_polled {
+            return false;
         }
-        let wanted = folders.iter().filter(|(p, _)| WATCHES_SINGLE_FOLDERS || **p == root.path);
-        let missing: Vec<_> = wanted.filter(|(p, _)| !armed.contains_key(*p)).collect();
-        drop(armed);
+        let path = self.roots[index].path.clone();
+        self.disarm(|p, id| p.starts_with(&path) && folders.get(p) != Some(id));
+        let root = &mut self.roots[index];
+        let Some(watcher) = self.watcher.as_mut() else { return false };
+        let locked = || self.armed.lock().unwrap_or_else(PoisonError::into_inner);
         let mode =
             if WATCHES_SINGLE_FOLDERS { RecursiveMode::NonRecursive } else { RecursiveMode::Recursive };
         let mut is_new = false;
-        for (path, identity) in missing {
+        for (path, identity) in folders.iter().filter(|(p, _)| WATCHES_SINGLE_FOLDERS || **p == root.path) {
+            // Noted before it is watched: a late word that its forerunner went takes the watch away and strikes the
+            // note, so that the next scan arms it again.
+            if locked().insert(path.clone(), *identity).is_some() {
+                continue;
+            }
             match watcher.watch(path, mode) {
-                Ok(()) => {
-                    self.armed.lock().unwrap_or_else(PoisonError::into_inner).insert(path.clone(), *identity);
-                    is_new = true;
-                }
-                Err(error) if is_vanished(&error) => {}
+                Ok(()) => is_new = true,
                 Err(error) => {
-                    root.is_polled = true;
-                    (self.report)(Event::Blind(root.path.clone(), refusal(&error)));
-                    return is_new;
+                    locked().remove(path);
+                    if !is_vanished(&error) {
+                        root.is_polled = true;
+                        (self.report)(Event::Blind(root.path.clone(), refusal(&error)));
+                        return is_new;
+                    }
                 }
             }
         }

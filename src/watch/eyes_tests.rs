@@ -103,6 +103,39 @@ fn a_folder_made_again_is_seen_after_rearming() {
     assert!(await_touch(&events, &root.join("b.dxf")));
 }
 
+/// While the system tells of files that come and go, watches are taken away and set again: neither waits for the other.
+#[test]
+fn arming_and_events_do_not_wait_for_each_other() {
+    const TIMES: usize = 2000;
+    let dir = tempfile::tempdir().unwrap();
+    let root = fs::canonicalize(dir.path()).unwrap();
+    let (mut eyes, events) = eyes(&root, 0);
+    let (send, ended) = mpsc::channel();
+    let arming = root.clone();
+    std::thread::spawn(move || {
+        for _ in 0..TIMES {
+            eyes.rearm(&arming);
+            eyes.scan(&arming).unwrap();
+        }
+        send.send(eyes).unwrap();
+    });
+    let start = std::time::Instant::now();
+    let _eyes = loop {
+        assert!(start.elapsed() < Duration::from_secs(300), "each waits for the other");
+        fs::write(root.join("a.dxf"), b"a").unwrap();
+        fs::remove_file(root.join("a.dxf")).unwrap();
+        match ended.try_recv() {
+            Ok(eyes) => break eyes,
+            Err(mpsc::TryRecvError::Empty) => {}
+            Err(mpsc::TryRecvError::Disconnected) => panic!("the arming thread died"),
+        }
+        // A folder that is watched is told of without end.
+        events.try_iter().for_each(drop);
+    };
+    fs::write(root.join("b.dxf"), b"b").unwrap();
+    assert!(await_touch(&events, &root.join("b.dxf")));
+}
+
 #[test]
 fn new_folders_are_armed_by_the_next_scan() {
     let dir = tempfile::tempdir().unwrap();
