@@ -423,7 +423,7 @@ impl Gallery {
                 is_reference.push(r);
             }
         }
-        Lattice { spacing_um, origin_um, cells, query, is_reference }
+        Lattice { spacing_um, origin_um, cells, query, is_reference, beyond: None }
     }
 
     /// Moves every group by up to a metre each way; seed 0 is the drawing.
@@ -547,6 +547,7 @@ fn flood(walls: &[Segment], spacing_um: i64, seed_um: [i64; 2]) -> Lattice {
         origin_um: [0, 0],
         query: (0..cells.len() as u32).collect(),
         is_reference: vec![true; cells.len()],
+        beyond: None,
         cells,
     }
 }

@@ -113,5 +113,5 @@ fn rooms(side: i32, room: i32) -> (Arc<Lattice>, Vec<Segment>) {
     }
     let n = cells.len() as u32;
     let (query, is_reference) = ((0..n).collect(), vec![true; n as usize]);
-    (Arc::new(Lattice { spacing_um: M, origin_um: [0, 0], cells, query, is_reference }), walls)
+    (Arc::new(Lattice { spacing_um: M, origin_um: [0, 0], cells, query, is_reference, beyond: None }), walls)
 }

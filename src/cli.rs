@@ -173,6 +173,9 @@ pub struct Common {
     /// Storey of a building, by name or number from the lowest; by default the one with most walls.
     #[arg(long, value_name = "NAME")]
     pub storey: Option<String>,
+    /// Count steps over the stairs to the other storeys of the building too.
+    #[arg(long)]
+    pub over_stairs: bool,
     /// Spaces of a building that are the region of query: space:NAME or zone:NAME, * and ? may stand in NAME.
     #[arg(long, value_name = "space:NAME|zone:NAME")]
     pub query: Option<String>,
@@ -659,6 +662,7 @@ impl Common {
             colours: self.colours.map(Into::into),
             pictures: self.no_pictures.then_some(false),
             storey: self.storey.clone(),
+            over_stairs: self.over_stairs.then_some(true),
             query: self.query.clone(),
             accept_missing_eof: self.accept_missing_eof.then_some(true),
             reading: self.reading.table(),

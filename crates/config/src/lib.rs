@@ -189,6 +189,8 @@ pub struct Partial {
     pub overlay: Option<Overlay>,
     pub pictures: Option<bool>,
     pub storey: Option<String>,
+    /// Whether steps are counted over the stairs to the other storeys of the building.
+    pub over_stairs: Option<bool>,
     pub query: Option<String>,
     pub accept_missing_eof: Option<bool>,
     pub ignore_move_markers: Option<bool>,
@@ -319,6 +321,7 @@ impl Partial {
             overlay: self.overlay.or(base.overlay),
             pictures: self.pictures.or(base.pictures),
             storey: self.storey.or(base.storey),
+            over_stairs: self.over_stairs.or(base.over_stairs),
             query: self.query.or(base.query),
             accept_missing_eof: self.accept_missing_eof.or(base.accept_missing_eof),
             ignore_move_markers: self.ignore_move_markers.or(base.ignore_move_markers),
@@ -454,6 +457,9 @@ pub struct Settings {
     /// Storey of a building; `None`: the one with most walls.
     #[serde(default)]
     pub storey: Option<String>,
+    /// Whether steps are counted over the stairs to the other storeys of the building.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub over_stairs: bool,
     /// Spaces that are the region of query: `space:NAME*` or `zone:NAME*`.
     #[serde(default)]
     pub query: Option<String>,
@@ -626,6 +632,7 @@ impl Settings {
             overlay: p.overlay.unwrap_or_default(),
             pictures: p.pictures.unwrap_or(true),
             storey: p.storey,
+            over_stairs: p.over_stairs.unwrap_or(false),
             query: p.query,
             accept_missing_eof: p.accept_missing_eof.unwrap_or(false),
             beside: Beside::default(),

@@ -6,6 +6,7 @@
 //! walks the breadth-first trees with tables of four rows each.
 
 mod broad;
+mod steps;
 
 use crate::geometry::{PointUm, Segment, cross_um, segments_touch};
 
@@ -734,6 +735,7 @@ mod limits {
             cells: vec![[0, 0], [columns_apart, 0]],
             query: vec![0, 1],
             is_reference: vec![true; 2],
+            beyond: None,
         }
     }
 

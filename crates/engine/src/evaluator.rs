@@ -137,8 +137,14 @@ impl Evaluator {
 
     /// The same bits as [`tally`](super::forest::tally) of the whole layout's visibility graph; single-threaded.
     pub fn evaluate(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
-        let dense = self.dense.as_ref().and_then(|d| d.evaluate(moving, &mut scratch.dense));
-        dense.unwrap_or_else(|| self.evaluate_whole(moving, scratch))
+        let dense = self.dense.as_ref().and_then(|d| Some((d, d.evaluate(moving, &mut scratch.dense)?)));
+        let Some((dense, mut tally)) = dense else { return self.evaluate_whole(moving, scratch) };
+        if let Some(beyond) = &self.lattice.beyond {
+            let steps: Vec<Vec<u32>> =
+                beyond.stairs.iter().map(|s| dense.steps_from(s, &scratch.dense)).collect();
+            beyond.add_to_tally(&steps, &self.lattice.query, &mut tally);
+        }
+        tally
     }
 
     /// Measures batches of up to `layouts` on a graphics card from now on, once it has measured the initial
@@ -147,6 +153,9 @@ impl Evaluator {
     /// # Errors
     /// Why the card cannot, in words for the report; the cores go on.
     pub fn attach(&mut self, gpu: Arc<Gpu>, initial_moving: &Obstacles, layouts: u32) -> Result<(), String> {
+        if self.lattice.beyond.is_some() {
+            return Err("steps over stairs are counted on the cores alone".into());
+        }
         let components = Some(self.initial_components.as_slice());
         let card = CardForest::new(gpu, Arc::clone(&self.lattice), &self.fixed, components, layouts)?;
         let found = card.tallies(std::slice::from_ref(initial_moving))?;
@@ -190,6 +199,7 @@ mod tests {
 
     use super::super::fixtures;
     use super::super::lanes::Path;
+    use super::super::stairs::Beyond;
     use super::*;
 
     /// Wall ends on halves of a cell of 12 µm, now and then a micrometre beside them.
@@ -223,6 +233,7 @@ mod tests {
             layouts in prop::collection::vec((segments(6), prop::collection::vec(0u32..40, 0..3)), 3),
             size in prop_oneof![3 => (6i32..28, 7i32..28), 1 => (60i32..80, 7i32..9)],
             holes in any::<u64>(),
+            stairs in prop::collection::vec((prop::collection::vec(0u32..40, 1..4), 1u32..5, 1u32..9), 0..3),
         ) {
             let wide = |of: Vec<Segment>| of.into_iter().map(|s| stretched(s, if size.0 > 28 { 3 } else { 1 })).collect();
             let [fixed, initial]: [Vec<Segment>; 2] = [fixed, initial].map(wide);
@@ -231,6 +242,14 @@ mod tests {
             let mut lattice = fixtures::lattice(12, [0, 0], cells.filter(|c| keep(c[0], c[1]) || c[0] < 7).collect());
             lattice.query.retain(|v| v % 3 != 1);
             lattice.is_reference.iter_mut().enumerate().for_each(|(v, r)| *r = v % 5 != 2);
+            lattice.beyond = (!stairs.is_empty()).then(|| {
+                let far = |(i, (_, steps, count)): (usize, &(Vec<u32>, u32, u32))| {
+                    let from = |k: usize| if k == i { *steps } else { stairs[k].1 + 3 };
+                    ((0..stairs.len()).map(from).collect(), *count)
+                };
+                let far = stairs.iter().enumerate().map(far).collect();
+                Beyond { stairs: stairs.iter().map(|s| s.0.clone()).collect(), far }.into()
+            });
             let lattice = Arc::new(lattice);
             let initial = Obstacles { segments: initial, blind: vec![] };
             let mut evaluator = Evaluator::new(lattice, &fixed, &initial);

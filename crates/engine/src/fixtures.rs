@@ -49,6 +49,7 @@ pub fn lattice(spacing_um: i64, origin_um: [i64; 2], mut cells: Vec<[i32; 2]>) -
         origin_um,
         query: (0..cells.len() as u32).collect(),
         is_reference: vec![true; cells.len()],
+        beyond: None,
         cells,
     }
 }

@@ -9,6 +9,7 @@ use super::graph::Graph;
 use super::lanes::LANES;
 use super::lanes::Path;
 use super::relays::Relays;
+use super::stairs::steps_from;
 use super::stars;
 use super::wave::Wave;
 use super::{Lattice, Tally};
@@ -18,6 +19,21 @@ use super::{Lattice, Tally};
 pub(super) fn level_counts(graph: &Graph, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
     let by_stars = if max_level == u32::MAX { stars::level_counts(graph, roots) } else { None };
     by_stars.unwrap_or_else(|| by_waves(Path::best(), graph, roots, max_level))
+}
+
+/// [`level_counts`] over the stairs of a lattice too.
+pub(super) fn level_counts_beyond(
+    lattice: &Lattice,
+    graph: &Graph,
+    roots: &[u32],
+    max_level: u32,
+) -> Vec<Vec<u32>> {
+    let mut trees = level_counts(graph, roots, max_level);
+    if let Some(beyond) = &lattice.beyond {
+        let steps: Vec<Vec<u32>> = beyond.stairs.iter().map(|s| steps_from(graph, s)).collect();
+        beyond.add_to(&steps, roots.iter().copied().zip(&mut trees), max_level);
+    }
+    trees
 }
 
 /// [`level_counts`] by waves.
@@ -114,7 +130,7 @@ fn walking_order(graph: &Graph, roots: &[u32]) -> Vec<(u32, u32)> {
     order
 }
 
-/// Levels, degrees and cut-off vertices of the query region. Breadth-first trees run over all of `V`.
+/// Levels, degrees and cut-off vertices of the query region. Breadth-first trees run over all of `V`, and over stairs.
 ///
 /// `initial` is the layout against which cut-off vertices are counted; without it `disconnected` is 0.
 pub fn tally(lattice: &Lattice, graph: &Graph, initial: Option<Initial<'_>>) -> Tally {
@@ -138,7 +154,7 @@ pub fn tally_of(
     }
     match places {
         None => {
-            for levels in level_counts(graph, &lattice.query, u32::MAX) {
+            for levels in level_counts_beyond(lattice, graph, &lattice.query, u32::MAX) {
                 tally.depth.push(levels.len() as u32);
                 tally.levels.extend(levels);
             }
@@ -146,7 +162,7 @@ pub fn tally_of(
         Some(places) => {
             let roots: Vec<u32> = places.iter().map(|&i| lattice.query[i as usize]).collect();
             tally.depth = vec![0; lattice.query.len()];
-            for (&i, levels) in places.iter().zip(level_counts(graph, &roots, u32::MAX)) {
+            for (&i, levels) in places.iter().zip(level_counts_beyond(lattice, graph, &roots, u32::MAX)) {
                 tally.depth[i as usize] = levels.len() as u32;
                 tally.levels.extend(levels);
             }

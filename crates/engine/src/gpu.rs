@@ -376,6 +376,7 @@ pub(super) fn test_plan() -> (Arc<Lattice>, Obstacles) {
         origin_um: [17, -5],
         query: (0..n).collect(),
         is_reference: (0..n).map(|v| v % 3 != 0).collect(),
+        beyond: None,
         cells,
     };
     let middle = i64::from(TEST_SIDE / 2) * TEST_SPACING_UM;

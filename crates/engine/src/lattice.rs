@@ -77,6 +77,7 @@ pub fn lattice(ground: &Ground<'_>, report: &mut Report) -> Result<Lattice, Erro
         cells: Vec::new(),
         query: Vec::new(),
         is_reference: Vec::new(),
+        beyond: None,
     };
     let dropped = field.dropped(ground);
     for col in 0..field.cols {

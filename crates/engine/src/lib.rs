@@ -17,6 +17,7 @@
 //!     cells,
 //!     query: (0..6).collect(),
 //!     is_reference: vec![true; 6],
+//!     beyond: None,
 //! };
 //! let screen = Segment { a: [500_000, -500_000], b: [500_000, 500_000] };
 //! let graph = visibility_graph(&lattice, &Obstacles { segments: vec![screen], blind: vec![] });
@@ -31,6 +32,8 @@
 pub mod lattice;
 
 pub use region::Region;
+
+use std::sync::Arc;
 
 use geometry::{PointUm, Segment};
 
@@ -60,6 +63,7 @@ mod refusal;
 mod region;
 mod relays;
 pub mod sampled;
+pub mod stairs;
 mod stars;
 mod strips;
 pub mod through;
@@ -84,6 +88,8 @@ pub struct Lattice {
     pub query: Vec<u32>,
     /// Whether each vertex lies in the region of reference.
     pub is_reference: Vec<bool>,
+    /// Other storeys of the building, over stairs; none: trees stay on these cells.
+    pub beyond: Option<Arc<stairs::Beyond>>,
 }
 
 impl Lattice {

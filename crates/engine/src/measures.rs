@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::geometry::UM_PER_M;
 
-use super::forest::level_counts;
+use super::forest::{level_counts, level_counts_beyond};
 use super::graph::Graph;
 use super::{Lattice, Tally};
 
@@ -82,7 +82,7 @@ pub struct Column {
 /// All columns of the graph alone: [`local_columns`], then [`global_columns`].
 pub fn columns(lattice: &Lattice, graph: &Graph, radius: Option<u32>) -> Vec<Column> {
     let mut all = local_columns(lattice, graph);
-    all.extend(global_columns(graph, radius));
+    all.extend(global_columns(lattice, graph, radius));
     all
 }
 
@@ -243,26 +243,26 @@ pub const GLOBAL_NAMES: [&str; 7] = [
 ];
 
 /// Measures of the breadth-first trees; with a radius only levels up to it count.
-pub fn global_columns(graph: &Graph, radius: Option<u32>) -> Vec<Column> {
+pub fn global_columns(lattice: &Lattice, graph: &Graph, radius: Option<u32>) -> Vec<Column> {
     let all: Vec<u32> = (0..graph.len() as u32).collect();
-    let levels = level_counts(graph, &all, radius.unwrap_or(u32::MAX));
+    let levels = level_counts_beyond(lattice, graph, &all, radius.unwrap_or(u32::MAX));
     let rows: Vec<[f64; 7]> = levels.iter().map(|l| global_row(l)).collect();
     let suffix = radius.map(|r| format!(" R{r}")).unwrap_or_default();
     transpose(GLOBAL_NAMES.map(|n| format!("{n}{suffix}")), &rows)
 }
 
 /// [`global_columns`] without a radius, where the trees of the query vertices are known.
-pub fn global_columns_beside(graph: &Graph, query: &[u32], tally: &Tally) -> Vec<Column> {
+pub fn global_columns_beside(lattice: &Lattice, graph: &Graph, tally: &Tally) -> Vec<Column> {
     let mut rows = vec![[UNDEFINED; 7]; graph.len()];
     let mut is_known = vec![false; graph.len()];
     let mut at = 0;
-    for (&v, &depth) in query.iter().zip(&tally.depth) {
+    for (&v, &depth) in lattice.query.iter().zip(&tally.depth) {
         rows[v as usize] = global_row(&tally.levels[at..at + depth as usize]);
         is_known[v as usize] = true;
         at += depth as usize;
     }
     let rest: Vec<u32> = (0..graph.len() as u32).filter(|&v| !is_known[v as usize]).collect();
-    for (&v, levels) in rest.iter().zip(level_counts(graph, &rest, u32::MAX)) {
+    for (&v, levels) in rest.iter().zip(level_counts_beyond(lattice, graph, &rest, u32::MAX)) {
         rows[v as usize] = global_row(&levels);
     }
     transpose(GLOBAL_NAMES.map(String::from), &rows)

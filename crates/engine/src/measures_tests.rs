@@ -40,7 +40,7 @@ fn columns_equal_depthmapx() {
 fn radius_cuts_the_levels() {
     let Some((lattice, obstacles, ..)) = fixtures::n900() else { return };
     let graph = visibility::visibility_graph(&lattice, &obstacles);
-    let near = global_columns(&graph, Some(1));
+    let near = global_columns(&lattice, &graph, Some(1));
     let count = near.iter().find(|c| c.name == "Visual Node Count R1").unwrap();
     for v in 0..graph.len() {
         assert_eq!(count.values[v], f64::from(graph.degree(v as u32)) + 1.0);
@@ -64,7 +64,7 @@ fn columns_beside_known_trees_are_the_same() {
     lattice.query.retain(|v| v % 3 != 1);
     let graph = visibility::visibility_graph(&lattice, &obstacles);
     let tally = forest::tally(&lattice, &graph, None);
-    assert_eq!(global_columns_beside(&graph, &lattice.query, &tally), global_columns(&graph, None));
+    assert_eq!(global_columns_beside(&lattice, &graph, &tally), global_columns(&lattice, &graph, None));
 }
 
 proptest! {

@@ -196,7 +196,7 @@ mod tests {
     fn sampled_roots_estimate_the_whole() {
         let Some((lattice, obstacles, ..)) = fixtures::n900() else { return };
         let graph = visibility::visibility_graph(&lattice, &obstacles);
-        let exact = global_columns(&graph, None);
+        let exact = global_columns(&lattice, &graph, None);
         let whole = sampled_columns(&graph, 900, 1).columns;
         for (a, b) in exact.iter().zip(&whole) {
             assert_eq!(a.name, b.name);
@@ -237,8 +237,8 @@ mod tests {
     /// In every area, with few roots as with many, the interval holds the mean depth about as often as it says.
     #[test]
     fn intervals_hold_in_every_area() {
-        let (_, graph) = two_buildings();
-        let exact = &global_columns(&graph, None)[4].values;
+        let (lattice, graph) = two_buildings();
+        let exact = &global_columns(&lattice, &graph, None)[4].values;
         let component = graph.components();
         for roots in [2, 6, 20, 60] {
             let mut held = BTreeMap::<u32, [usize; 2]>::new();

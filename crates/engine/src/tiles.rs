@@ -169,6 +169,7 @@ mod tests {
             origin_um: [0, 0],
             query: vec![],
             is_reference: vec![false; cells.len()],
+            beyond: None,
             cells,
         };
         let tiles = Tiles::new(&lattice);

@@ -344,6 +344,7 @@ fn side_car(
         overlay: Some(settings.overlay),
         pictures: None,
         storey: settings.storey.clone(),
+        over_stairs: settings.over_stairs.then_some(true),
         query: settings.query.clone(),
         accept_missing_eof: Some(settings.accept_missing_eof),
         ignore_move_markers: Some(true),

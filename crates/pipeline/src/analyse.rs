@@ -51,7 +51,7 @@ pub fn analyse_with(
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
     let settings = &*read::query::on_storey_of_query(input, settings)?;
     let job = Job { input, settings };
-    let (mut outcome, study) = analyse_storey(job, roots, understood, cancel)?;
+    let (mut outcome, study) = analyse_storey(job, (roots, None), understood, cancel)?;
     if intervals && roots.is_none() {
         outcome.result.estimate = estimate::present(&study, settings);
         tell_anew(&mut outcome)?;
@@ -106,5 +106,5 @@ pub fn measure(
     cancel: &Cancel,
 ) -> Result<(Study, Report), Error> {
     let settings = &*read::query::on_storey_of_query(input, settings)?;
-    measure_storey(Job { input, settings }, roots, understood, cancel)
+    measure_storey(Job { input, settings }, (roots, None), understood, cancel)
 }

@@ -95,7 +95,7 @@ pub fn run(
     let settings = &*read::query::on_storey_of_query(input, settings)?;
     let job = Job { input, settings };
     let mut understood = || watch.stage("measure", None);
-    let (mut analysis, study) = storey::analyse_storey(job, None, &mut understood, cancel)?;
+    let (mut analysis, study) = storey::analyse_storey(job, (None, None), &mut understood, cancel)?;
     (watch.show)(Event::Analysis(analysis.files.clone()));
     if analyse::add_storeys(job, &study, &mut analysis, cancel)? {
         (watch.show)(Event::Analysis(analysis.files));

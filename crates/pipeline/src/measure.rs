@@ -6,6 +6,7 @@ pub(crate) mod backend;
 pub(crate) mod card;
 pub mod cells;
 pub(crate) mod estimate;
+pub mod floors;
 pub(crate) mod lattices;
 pub(crate) mod limits;
 pub(crate) mod look;

@@ -1,5 +1,7 @@
 //! The other storeys of a building: each checked and measured by itself, in a folder of its own.
 
+pub(crate) mod together;
+
 use rayon::prelude::*;
 
 use crate::job::Job;
@@ -172,18 +174,23 @@ pub(crate) fn analyse(
             out.push(entry(storey, &shown.base, ".", show::mean_numbers(shown, &shown.initial)));
             continue;
         }
-        out.push(match analyse_storey(Job { input, settings: own }, shown.roots, &mut || {}, cancel) {
-            Ok((outcome, study)) => {
-                let inside =
-                    |f: OutFile| OutFile { path: format!("{folder}/{}", f.path.display()).into(), ..f };
-                files.extend(outcome.files.into_iter().map(inside));
-                let problems = of_elements(storey, &outcome.report, report);
-                let means = show::mean_numbers(&study, &study.initial);
-                StoreyEntry { problems, ..entry(storey, &study.base, folder, means) }
-            }
-            Err(error @ Error::Stopped) => return Err(error),
-            Err(error) => failed(storey, &error),
-        });
+        let floors = shown.base.floors.as_ref().and_then(|f| f.on(own.storey.as_deref()?));
+        // A storey that is not joined is measured by itself, and its building is not read again for it.
+        let own = &Settings { over_stairs: false, ..own.clone() };
+        out.push(
+            match analyse_storey(Job { input, settings: own }, (shown.roots, floors), &mut || {}, cancel) {
+                Ok((outcome, study)) => {
+                    let inside =
+                        |f: OutFile| OutFile { path: format!("{folder}/{}", f.path.display()).into(), ..f };
+                    files.extend(outcome.files.into_iter().map(inside));
+                    let problems = of_elements(storey, &outcome.report, report);
+                    let means = show::mean_numbers(&study, &study.initial);
+                    StoreyEntry { problems, ..entry(storey, &study.base, folder, means) }
+                }
+                Err(error @ Error::Stopped) => return Err(error),
+                Err(error) => failed(storey, &error),
+            },
+        );
     }
     Ok(out)
 }

@@ -61,6 +61,7 @@ fn lattice() -> Lattice {
         origin_um: [230_000, 210_000],
         query: (0..cells.len() as u32).collect(),
         is_reference: vec![true; cells.len()],
+        beyond: None,
         cells,
     }
 }

@@ -63,6 +63,7 @@ fn a_matrix_that_is_too_large_stays_on_the_cores() {
         cells: (0..n).map(|i| [i % 400, i / 400]).collect(),
         query: vec![0],
         is_reference: vec![true; n as usize],
+        beyond: None,
     };
     let why = CardForest::new(gpu, Arc::new(lattice), &[], None, 1).err().unwrap();
     assert!(why.contains("140000 cells"), "{why}");

@@ -20,7 +20,9 @@ pub(crate) fn state_unused(backend: Backend, input: &Input<'_>, report: &mut Rep
 /// Gives the study a graphics card where one is wanted, there is one and it agrees with the cores.
 pub(crate) fn choose(study: &mut Study, backend: Backend, input: &Input<'_>, report: &mut Report) {
     let is_auto = backend == Backend::Auto;
-    if backend == Backend::Cpu || (is_auto && study.lattice.cells.len() < AUTO_CELLS_MIN) {
+    let is_small = study.lattice.cells.len() < AUTO_CELLS_MIN;
+    // Steps over stairs are counted on the cores.
+    if backend == Backend::Cpu || (is_auto && (is_small || study.lattice.beyond.is_some())) {
         return;
     }
     let place = Place::file(input.file());

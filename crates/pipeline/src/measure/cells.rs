@@ -132,6 +132,11 @@ pub fn measure_cells(study: &Study, options: &CellOptions) -> Result<Measured, E
         );
         return Err(Error::usage("radius", Place::default(), text));
     }
+    if options.roots.is_some() && asked("graph") && study.lattice.beyond.is_some() {
+        let text = "--roots estimates trees of one storey, and --over-stairs counts on others too; leave one of them away; \
+                    nothing was done";
+        return Err(Error::usage("roots", Place::default(), text));
+    }
     let obstacles = study.initial_obstacles();
     let lattice = &study.lattice;
     let paths = || Paths::new(lattice, &graph, &obstacles, Turning::default());
@@ -196,9 +201,9 @@ fn all_columns(
                 drawn = Some(sampled.roots);
                 sampled.columns
             }
-            (None, Some(known), None) => global_columns_beside(graph, &lattice.query, known),
+            (None, Some(known), None) => global_columns_beside(lattice, graph, known),
             // Whole, or it was refused.
-            (None, _, radius) => global_columns(graph, radius.map(|r| r as u32)),
+            (None, _, radius) => global_columns(lattice, graph, radius.map(|r| r as u32)),
         });
     }
     if asked("isovist") {
@@ -473,6 +478,7 @@ mod tests {
             origin_um: [0, 0],
             query: (0..cells.len() as u32).collect(),
             is_reference: vec![true; cells.len()],
+            beyond: None,
             cells,
         };
         let wall = Segment { a: [2_500_000, -500_000], b: [2_500_000, 2_500_000] };
@@ -500,6 +506,7 @@ mod tests {
             spacing_um: 1000,
             origin_um: [0, 0],
             query: vec![],
+            beyond: None,
             is_reference,
             cells: cells.clone(),
         };
@@ -566,6 +573,7 @@ mod tests {
             spacing_um: 1_000_000,
             origin_um: [0, 0],
             cells: (0..4).map(|c| [c, 0]).collect(),
+            beyond: None,
             query: (0..4).collect(),
             is_reference: vec![true; 4],
         };

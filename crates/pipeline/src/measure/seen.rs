@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use crate::measure::look::LatticeAt;
 use crate::measure::parts::blind;
 use crate::understand::understood::Understood;
 use enfilade_config::{Measure, Source};
@@ -119,9 +120,12 @@ impl Scene {
         use_for: Use,
         report: &mut Report,
     ) -> Result<Self, Error> {
-        let lattice = Arc::new(lattice(ground, report)?);
+        let mut lattice = lattice(ground, report)?;
         refuse_dense(&lattice, ground)?;
         let cells = CellIndex::new(&lattice);
+        let at = LatticeAt { spacing_um: ground.spacing_um, centre_um: ground.centre_um };
+        lattice.beyond = base.floors.as_ref().and_then(|f| f.beyond(&cells, at)).map(Arc::new);
+        let lattice = Arc::new(lattice);
         let segments = ground.movable.to_vec();
         let moving = Obstacles { blind: blind(base, identity, &cells, &segments), segments };
         let evaluator = match use_for {

@@ -123,7 +123,7 @@ impl Study {
     }
 
     /// What it is for, and the spacing in whose cells counts are told.
-    fn on(
+    pub(super) fn on(
         base: Arc<Understood>,
         settings: &Settings,
         lattices: &[LatticeAt],

@@ -34,6 +34,7 @@ pub(crate) fn side_cars(study: &Study, settings: &Settings, made: &[&Made]) -> R
             spacing: Some(study.spacing_m),
             lattice_centre: Some(lattice_centre(study)),
             storey: settings.storey.clone(),
+            over_stairs: settings.over_stairs.then_some(true),
             query: settings.query.clone(),
             accept_missing_eof: Some(settings.accept_missing_eof),
             reading: settings.reading.clone(),

@@ -135,6 +135,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     if settings.budget != Budget::default() {
         add("budget", settings.budget.to_string());
     }
+    if settings.over_stairs {
+        out.push_str(" --over-stairs");
+    }
     if settings.accept_missing_eof {
         out.push_str(" --accept-missing-eof");
     }

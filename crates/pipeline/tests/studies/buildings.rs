@@ -7,6 +7,7 @@ mod gltf;
 mod ifc;
 mod lengths;
 mod pavilion;
+mod stairs;
 
 use enfilade_config::{Partial, RegionTable, Settings};
 use enfilade_pipeline::{Input, Study};

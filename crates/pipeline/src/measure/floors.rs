@@ -1,0 +1,149 @@
+//! Other storeys of the building, where steps are counted over the stairs: what trees of the measured one reach on them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::sync::{Arc, Mutex};
+
+use rayon::prelude::*;
+
+use crate::measure::look::LatticeAt;
+use crate::measure::seen::Use;
+use crate::measure::study::Study;
+use crate::understand::understood::Understood;
+use enfilade_config::Settings;
+use enfilade_engine::geometry::{PointUm, UM_PER_M};
+use enfilade_engine::lattice::CellIndex;
+use enfilade_engine::stairs::{Beyond, Far, Stair, far};
+use enfilade_engine::visibility::{Graph, visibility_graph};
+use enfilade_report::Report;
+
+/// A storey as it is drawn, ready to be laid out with cells.
+pub(crate) struct Floor {
+    /// What `--storey` calls it.
+    pub key: String,
+    pub base: Arc<Understood>,
+    pub settings: Settings,
+}
+
+/// Where a stair stands on two storeys, by their places in the list.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Footprint {
+    pub storeys: [usize; 2],
+    /// Its outline, drawing frame.
+    pub ring: Vec<PointUm>,
+}
+
+impl Footprint {
+    fn vertices(&self, cells: &CellIndex) -> Vec<u32> {
+        let mut out = Vec::new();
+        cells.vertices_in(&self.ring, &mut out);
+        out.sort_unstable();
+        out
+    }
+}
+
+/// The storeys of a building from the lowest, with their stairs.
+pub(crate) struct Building {
+    pub floors: Vec<Floor>,
+    pub stairs: Vec<Footprint>,
+}
+
+/// The building of a storey that is measured.
+#[derive(Clone)]
+pub struct Floors {
+    building: Arc<Building>,
+    /// Which of its floors is measured.
+    own: usize,
+    /// What lies beyond, by spacing and centre of the cells.
+    known: Arc<Mutex<BTreeMap<(i64, PointUm), Arc<Laid>>>>,
+}
+
+/// The other storeys on one lattice.
+struct Laid {
+    far: Far,
+    /// Those that stairs lead to, ascending.
+    reached: Vec<usize>,
+}
+
+/// The storeys that stairs lead to from one, over others too; where it is left itself is asked of its own cells.
+fn joined(stairs: &[Stair], own: usize) -> Vec<usize> {
+    let stands = |s: &&Stair| (0..2).all(|k| s.storeys[k] == own || !s.vertices[k].is_empty());
+    let standing: Vec<&Stair> = stairs.iter().filter(stands).collect();
+    let mut reached = BTreeSet::from([own]);
+    for _ in &standing {
+        for s in standing.iter().filter(|s| s.storeys.iter().any(|i| reached.contains(i))).collect::<Vec<_>>()
+        {
+            reached.extend(s.storeys);
+        }
+    }
+    reached.remove(&own);
+    reached.into_iter().collect()
+}
+
+impl fmt::Debug for Floors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Floors").field("own", &self.own).field("stairs", &self.building.stairs).finish()
+    }
+}
+
+impl Floors {
+    pub(crate) fn new(building: Arc<Building>, own: usize) -> Self {
+        Self { building, own, known: Arc::default() }
+    }
+
+    /// The same building, another storey of it measured; none of a name that it has not.
+    pub(crate) fn on(&self, key: &str) -> Option<Self> {
+        let own = self.building.floors.iter().position(|f| f.key == key)?;
+        Some(Self::new(Arc::clone(&self.building), own))
+    }
+
+    /// The storeys that the stairs lead to, over others too, on the first lattice that was laid.
+    pub(crate) fn reached(&self) -> Vec<&str> {
+        let known = self.known.lock().ok().and_then(|known| known.values().next().cloned());
+        let reached = known.map_or_else(Vec::new, |k| k.reached.clone());
+        reached.into_iter().filter_map(|i| Some(self.building.floors.get(i)?.key.as_str())).collect()
+    }
+
+    /// What lies beyond the stairs of the measured storey, of which these are the cells; none where no stair stands on
+    /// any.
+    pub(crate) fn beyond(&self, cells: &CellIndex, at: LatticeAt) -> Option<Beyond> {
+        let own = self.building.stairs.iter().filter(|s| s.storeys.contains(&self.own));
+        let stairs: Vec<Vec<u32>> = own.map(|s| s.vertices(cells)).collect();
+        if stairs.iter().all(Vec::is_empty) {
+            return None;
+        }
+        let far = self.laid(at).far.clone();
+        (!far.is_empty()).then_some(Beyond { stairs, far })
+    }
+
+    fn laid(&self, at: LatticeAt) -> Arc<Laid> {
+        let key = (at.spacing_um, at.centre_um);
+        if let Some(known) = self.known.lock().ok().and_then(|known| known.get(&key).cloned()) {
+            return known;
+        }
+        let Building { floors, stairs } = &*self.building;
+        let laid = |(i, floor): (usize, &Floor)| {
+            let other = (i != self.own).then(|| Arc::clone(&floor.base))?;
+            let told_by = (LOOKED_AT, at.spacing_um as f64 / UM_PER_M);
+            let on = Study::on(other, &floor.settings, &[at], told_by, &mut Report::default()).ok()?;
+            let graph = visibility_graph(&on.lattice, &on.initial_obstacles());
+            Some((graph, CellIndex::new(&on.lattice)))
+        };
+        let laid: Vec<Option<(Graph, CellIndex)>> = floors.par_iter().enumerate().map(laid).collect();
+        let stair = |s: &Footprint| {
+            let vertices = s.storeys.map(|i| laid[i].as_ref().map_or_else(Vec::new, |l| s.vertices(&l.1)));
+            Stair { storeys: s.storeys, vertices }
+        };
+        let stairs: Vec<Stair> = stairs.iter().map(stair).collect();
+        let graphs: Vec<Option<&Graph>> = laid.iter().map(|l| l.as_ref().map(|l| &l.0)).collect();
+        let reached = joined(&stairs, self.own);
+        let found = Arc::new(Laid { far: far(&graphs, &stairs, self.own), reached });
+        if let Ok(mut known) = self.known.lock() {
+            known.insert(key, Arc::clone(&found));
+        }
+        found
+    }
+}
+
+/// Nothing is told of the other storeys: as few trees as can be.
+const LOOKED_AT: Use = Use::Roots(1, 0);

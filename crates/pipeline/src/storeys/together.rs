@@ -1,0 +1,209 @@
+//! The storeys of a building as one: which there are, and where stairs join them.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::job::Job;
+use crate::measure::floors::{Building, Floor, Floors, Footprint};
+use crate::measure::study::Study;
+use crate::read::read_options;
+use crate::understand::rooms::rooms_with_kinds;
+use crate::understand::sensed::Sensed;
+use crate::understand::understood;
+use crate::understand::understood::Understood;
+use enfilade_cad::{Opened, StoreyInfo};
+use enfilade_config::{Partial, Settings};
+use enfilade_engine::geometry::{PointUm, UM_PER_M};
+use enfilade_plan::kinds::{RoomKind, ThingKind};
+use enfilade_report::{Error, Place, Report, counted};
+
+/// Most storeys that are joined; of more the nearest ones. Every lattice is laid on each of them.
+pub const TOGETHER_MAX: usize = 12;
+
+/// No stair climbs higher from one storey to the next, metres.
+const RISE_MAX_M: f64 = 6.0;
+
+/// Flights that lie no farther from one another are one stair, metres: two runs and the landing between them.
+const ONE_STAIR_M: f64 = 0.3;
+
+/// The storeys that steps lead to over the stairs of the one that was understood, where the settings ask for them; says what is
+/// joined, or why nothing is.
+///
+/// # Errors
+/// Where the file cannot be opened; a storey that cannot be read is left out.
+pub(crate) fn floors(job: Job<'_>, base: &Understood, report: &mut Report) -> Result<Option<Floors>, Error> {
+    let Job { input, settings } = job;
+    if !settings.over_stairs {
+        return Ok(None);
+    }
+    let place = Place::file(input.file());
+    let options = read_options(settings);
+    let opened = Opened::new(input.file(), &input.bytes)?;
+    let found = opened.building(&options).0;
+    let own = match &settings.storey {
+        Some(name) => enfilade_cad::storey_at(found.iter().map(|s| s.name.as_str()), name),
+        None => enfilade_cad::main_storey(&found, options.cut_m()),
+    };
+    let list = own.map(|own| (own, near(&found, own))).filter(|(_, list)| list.len() > 1);
+    let Some((own, list)) = list else {
+        let text = "--over-stairs: there is no other storey with walls; steps are counted on this one";
+        report.warn("stairs-none", place, text);
+        return Ok(None);
+    };
+    let read =
+        opened.read_all(&list.iter().map(|i| read_options(&plain(settings, &found, *i))).collect::<Vec<_>>());
+    let floor = |(i, (drawing, mut silent)): (&usize, (Result<_, Error>, Report))| {
+        let settings = plain(settings, &found, *i);
+        let understood = understood(&drawing?, &settings, &mut silent)?;
+        let ways_up = ways_up(if *i == own { base } else { &understood }, &settings)?;
+        let key = enfilade_cad::storey_key(&found, *i);
+        Ok((*i, Floor { key, base: Arc::new(understood), settings }, ways_up))
+    };
+    let made: Vec<Result<_, Error>> =
+        list.iter().zip(read).collect::<Vec<_>>().into_par_iter().map(floor).collect();
+    // Roofs and foundations have no rooms.
+    let made: Vec<(usize, Floor, Vec<Ring>)> = made.into_iter().flatten().collect();
+    let Some(own_at) = made.iter().position(|m| m.0 == own) else { return Ok(None) };
+    let mut stairs = Vec::new();
+    for (lower, pair) in made.windows(2).enumerate() {
+        let rise_m = found[pair[1].0].floor_m - found[pair[0].0].floor_m;
+        if rise_m <= RISE_MAX_M * base.plan.human_scale {
+            let storeys = [lower, lower + 1];
+            stairs.extend(pair[0].2.iter().map(|ring| Footprint { storeys, ring: ring.clone() }));
+        }
+    }
+    let floors = made.into_iter().map(|m| m.1).collect();
+    Ok(Some(Floors::new(Arc::new(Building { floors, stairs }), own_at)))
+}
+
+type Ring = Vec<PointUm>;
+
+/// Where one goes up from a storey: its flights, else its rooms of stairs.
+fn ways_up(base: &Understood, settings: &Settings) -> Result<Vec<Ring>, Error> {
+    let flights: Vec<_> =
+        base.things.iter().filter(|t| t.kind == ThingKind::Stair).map(|t| t.extent).collect();
+    if !flights.is_empty() {
+        let ring = |[lo, hi]: [PointUm; 2]| vec![lo, [hi[0], lo[1]], hi, [lo[0], hi[1]]];
+        return Ok(stairs_of(flights, base.plan.human_scale).into_iter().map(ring).collect());
+    }
+    let sensed = Sensed::new(base, settings);
+    let rooms = rooms_with_kinds(base, &sensed, settings)?;
+    Ok(rooms.into_iter().filter(|r| r.found.kind == RoomKind::Stair).map(|r| r.area.outline).collect())
+}
+
+/// Says what the stairs of a measured storey join it to.
+pub(crate) fn state(study: &Study, report: &mut Report) {
+    let Some(floors) = &study.base.floors else { return };
+    let place = Place::file(&study.base.plan.file);
+    match &study.lattice.beyond {
+        Some(beyond) => {
+            let text = format!(
+                "steps are counted over {} to {}: {} there",
+                counted(beyond.stairs.iter().filter(|s| !s.is_empty()).count() as u64, "stair"),
+                floors.reached().join(", "),
+                counted(beyond.vertices(), "cell")
+            );
+            report.info("stairs", place, text);
+        }
+        None => {
+            let text = "--over-stairs: no stair was found that stands on measured floor here and on the storey above or below; \
+                        steps are counted on this storey";
+            report.warn("stairs-none", place, text);
+        }
+    }
+}
+
+/// The walled storeys of the building of `own`, from the lowest: it and the nearest others, at most [`TOGETHER_MAX`].
+fn near(found: &[StoreyInfo], own: usize) -> Vec<usize> {
+    let Some(building) = found.get(own).map(|s| &s.building) else { return Vec::new() };
+    let all: Vec<usize> = (0..found.len())
+        .filter(|i| *i == own || (found[*i].walls > 0 && found[*i].building == *building))
+        .collect();
+    let at = all.iter().position(|i| *i == own).unwrap_or(0);
+    let last = (at + TOGETHER_MAX.div_ceil(2)).clamp(TOGETHER_MAX.min(all.len()), all.len());
+    all[last - TOGETHER_MAX.min(all.len())..last].to_vec()
+}
+
+/// What reads another storey as it is drawn: nothing is asked of it, and nothing moves.
+fn plain(settings: &Settings, found: &[StoreyInfo], storey: usize) -> Settings {
+    let usual = Settings::new(Partial::default()).unwrap_or_else(|_| settings.clone());
+    let mut out = Settings {
+        storey: Some(enfilade_cad::storey_key(found, storey)),
+        over_stairs: false,
+        query: None,
+        seed_points: Vec::new(),
+        only_marked: true,
+        moves: Vec::new(),
+        works: Vec::new(),
+        regions: Vec::new(),
+        objectives: usual.objectives,
+        score: usual.score,
+        penalties: usual.penalties,
+        limits: usual.limits,
+        ..settings.clone()
+    };
+    // Rooms are numbered on the storey that is read.
+    out.reading.rooms.clear();
+    out
+}
+
+/// Boxes of flights that lie beside each other as one each.
+fn stairs_of(mut flights: Vec<[PointUm; 2]>, human_scale: f64) -> Vec<[PointUm; 2]> {
+    let near_um = (ONE_STAIR_M * human_scale * UM_PER_M).round() as i64;
+    let mut at = 0;
+    while at < flights.len() {
+        let [lo, hi] = flights[at];
+        let is_beside = |[l, h]: &[PointUm; 2]| {
+            [0, 1].iter().all(|&k| lo[k] - near_um <= h[k] && l[k] <= hi[k] + near_um)
+        };
+        match (at + 1..flights.len()).find(|k| is_beside(&flights[*k])) {
+            Some(other) => {
+                let [l, h] = flights.swap_remove(other);
+                flights[at] = [[0, 1].map(|k| lo[k].min(l[k])), [0, 1].map(|k| hi[k].max(h[k]))];
+                at = 0;
+            }
+            None => at += 1,
+        }
+    }
+    flights.sort_unstable();
+    flights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn storeys(buildings: &[&str]) -> Vec<StoreyInfo> {
+        let of = |(i, b): (usize, &&str)| StoreyInfo {
+            name: format!("S{i}"),
+            building: Some((*b).to_owned()),
+            floor_m: 3.0 * i as f64,
+            walls: 4,
+            top_m: None,
+        };
+        buildings.iter().enumerate().map(of).collect()
+    }
+
+    #[test]
+    fn the_nearest_storeys_of_one_building_are_joined() {
+        let few = storeys(&["A", "B", "A", "A"]);
+        assert_eq!(near(&few, 2), [0, 2, 3]);
+        assert_eq!(near(&few, 1), [1]);
+        let tower = storeys(&vec!["A"; TOGETHER_MAX + 10]);
+        for own in 0..tower.len() {
+            let list = near(&tower, own);
+            assert_eq!(list.len(), TOGETHER_MAX);
+            assert!(list.contains(&own) && list.windows(2).all(|w| w[1] == w[0] + 1), "{own}: {list:?}");
+        }
+        assert_eq!(near(&tower, 11), (5..17).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn flights_side_by_side_are_one_stair() {
+        let m = |x: f64| (x * UM_PER_M) as i64;
+        let of = |x0: f64, x1: f64| [[m(x0), 0], [m(x1), m(3.0)]];
+        let found = stairs_of(vec![of(0.0, 1.0), of(9.0, 10.0), of(1.2, 2.2)], 1.0);
+        assert_eq!(found, [of(0.0, 2.2), of(9.0, 10.0)]);
+    }
+}
