@@ -10,6 +10,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # query-layer = "EF-QUERY"          # where people stand
 # reference-layer = "EF-REFERENCE"  # what they should see
 # storey = "Level 1"                # of a building, or its number from the lowest; by default the one with most walls
+# over-stairs = true                # steps are counted over the stairs to the other storeys too
 # query = "space:Gallery*"           # spaces of a building that are the region of query
 # accept-missing-eof = false        # read a DXF that ends without its end mark
 # unsure = "ask"                    # an unsure reading: ask and make no option; or "optimise"

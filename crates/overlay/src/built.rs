@@ -63,7 +63,38 @@ pub struct OptionWork {
     pub filling: String,
     /// Jambs of the opening that it closes, widens or takes a door from.
     pub opening: Option<[[f64; 2]; 2]>,
+    /// What stands on the storey above over wall that goes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub above: Option<Above>,
 }
+
+/// Walls of the storey above that stand over wall that a work takes away.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Above {
+    /// The storey, as `--storey` names it.
+    pub storey: String,
+    /// What draws them.
+    pub elements: Vec<ElementRef>,
+    /// Length over which they do, metres.
+    pub length_m: f64,
+}
+
+/// Says over how much of the wall that several works take away walls of the storey above stand: empty over none.
+pub fn above_words(works: &[OptionWork]) -> String {
+    let all: Vec<&Above> = works.iter().filter_map(|w| w.above.as_ref()).collect();
+    let Some(first) = all.first() else { return String::new() };
+    let length_m: f64 = all.iter().map(|a| a.length_m).sum();
+    let mut names: Vec<String> = all.iter().flat_map(|a| &a.elements).map(ElementRef::name).collect();
+    names.sort();
+    names.dedup();
+    let more = names.len().saturating_sub(ABOVE_NAMED);
+    names.truncate(ABOVE_NAMED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    format!("Over {length_m:.1} m of it walls of storey {:?} stand: {}{more}", first.storey, names.join(", "))
+}
+
+/// Walls above that are named one by one.
+const ABOVE_NAMED: usize = 3;
 
 impl OptionWork {
     /// Where it is, behind its name: `, at 12.3, 4.5 m`, the middle of its stretch.

@@ -28,3 +28,16 @@ pub enum ElementRef {
     /// An element of several records (a DXF POLYLINE and its VERTEX records).
     Several(Vec<ElementRef>),
 }
+
+impl ElementRef {
+    /// How people find it in the file: its handle, its line, its path.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Dxf { handle: Some(handle), .. } => handle.clone(),
+            Self::Dxf { record, .. } => format!("record {record}"),
+            Self::Ifc { id, .. } => format!("#{id}"),
+            Self::Gltf { path } => path.clone(),
+            Self::Several(all) => all.first().map(Self::name).unwrap_or_default(),
+        }
+    }
+}

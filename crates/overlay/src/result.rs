@@ -468,11 +468,25 @@ pub struct AnalysisResult {
     pub estimate: BTreeMap<String, Interval>,
     /// Penalties of the layout.
     pub penalty: Numbers,
+    /// What steps reach over the stairs, where they are counted so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub over_stairs: Option<OverStairs>,
     /// Every storey of a building that has several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub storeys: Vec<StoreyEntry>,
     /// What was left out or assumed.
     pub problems: Vec<ProblemEntry>,
+}
+
+/// Other storeys that steps lead to over the stairs of the measured one.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OverStairs {
+    /// Stairs of the measured storey that lead there.
+    pub stairs: u64,
+    /// The storeys, as `--storey` names them, from the lowest.
+    pub storeys: Vec<String>,
+    /// Cells that are counted there.
+    pub cells: u64,
 }
 
 /// One storey of a building that has several.

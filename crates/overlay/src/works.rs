@@ -201,6 +201,7 @@ impl WorksResult {
             "shows-private-room" => "more of a private room would be seen".into(),
             "thick-wall" => "the wall is thick enough to carry".into(),
             "bearing-wall" => "the wall is load-bearing".into(),
+            "stacked-wall" => "it stands over or under a wall of another storey".into(),
             "party-wall" | "between-dwellings" => "the wall parts two dwellings".into(),
             "fire-wall" => "the wall is a fire wall".into(),
             "core-wall" => "the wall stands at a stair or a lift".into(),

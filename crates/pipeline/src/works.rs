@@ -7,6 +7,7 @@ mod fitted;
 mod made;
 pub(crate) mod option;
 pub(crate) mod options;
+mod overhead;
 mod pinned;
 mod sets;
 mod shown;

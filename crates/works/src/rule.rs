@@ -49,6 +49,7 @@ impl Rule {
             Self::Structure(Bearing::Party) => "party-wall",
             Self::Structure(Bearing::Fire | Bearing::NamedFire) => "fire-wall",
             Self::Structure(Bearing::Core) => "core-wall",
+            Self::Structure(Bearing::Stacked) => "stacked-wall",
             Self::Structure(_) => "bearing-wall",
             Self::Private(_) => "private-room",
             Self::ShowsPrivate => "shows-private-room",

@@ -97,6 +97,12 @@ impl Floors {
         Some(Self::new(Arc::clone(&self.building), own))
     }
 
+    /// The storey above the measured one.
+    pub(crate) fn above(&self) -> Option<(String, Arc<Understood>)> {
+        let floor = self.building.floors.get(self.own + 1)?;
+        Some((floor.key.clone(), Arc::clone(&floor.base)))
+    }
+
     /// The storeys that the stairs lead to, over others too, on the first lattice that was laid.
     pub(crate) fn reached(&self) -> Vec<&str> {
         let known = self.known.lock().ok().and_then(|known| known.values().next().cloned());

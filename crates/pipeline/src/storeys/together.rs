@@ -12,6 +12,7 @@ use crate::understand::rooms::rooms_with_kinds;
 use crate::understand::sensed::Sensed;
 use crate::understand::understood;
 use crate::understand::understood::Understood;
+use crate::write::analysis::over_stairs;
 use enfilade_cad::{Opened, StoreyInfo};
 use enfilade_config::{Partial, Settings};
 use enfilade_engine::geometry::{PointUm, UM_PER_M};
@@ -41,11 +42,8 @@ pub(crate) fn floors(job: Job<'_>, base: &Understood, report: &mut Report) -> Re
     let options = read_options(settings);
     let opened = Opened::new(input.file(), &input.bytes)?;
     let found = opened.building(&options).0;
-    let own = match &settings.storey {
-        Some(name) => enfilade_cad::storey_at(found.iter().map(|s| s.name.as_str()), name),
-        None => enfilade_cad::main_storey(&found, options.cut_m()),
-    };
-    let list = own.map(|own| (own, near(&found, own))).filter(|(_, list)| list.len() > 1);
+    let list =
+        own_of(&found, settings).map(|own| (own, near(&found, own))).filter(|(_, list)| list.len() > 1);
     let Some((own, list)) = list else {
         let text = "--over-stairs: there is no other storey with walls; steps are counted on this one";
         report.warn("stairs-none", place, text);
@@ -92,18 +90,44 @@ fn ways_up(base: &Understood, settings: &Settings) -> Result<Vec<Ring>, Error> {
     Ok(rooms.into_iter().filter(|r| r.found.kind == RoomKind::Stair).map(|r| r.area.outline).collect())
 }
 
+/// The storey above the one that was understood, with what `--storey` calls it; none above the highest with walls, nor where
+/// it cannot be read.
+pub(crate) fn above(job: Job<'_>, base: &Understood) -> Option<(String, Arc<Understood>)> {
+    if let Some(floors) = &base.floors {
+        return floors.above();
+    }
+    let Job { input, settings } = job;
+    let options = read_options(settings);
+    let opened = Opened::new(input.file(), &input.bytes).ok()?;
+    let found = opened.building(&options).0;
+    let own = own_of(&found, settings)?;
+    let next = near(&found, own).into_iter().find(|i| *i > own)?;
+    let settings = plain(settings, &found, next);
+    let mut silent = Report::default();
+    let drawing = opened.read(&read_options(&settings), &mut silent).ok()?;
+    let above = understood(&drawing, &settings, &mut silent).ok()?;
+    Some((enfilade_cad::storey_key(&found, next), Arc::new(above)))
+}
+
+/// Which of the storeys is read.
+fn own_of(found: &[StoreyInfo], settings: &Settings) -> Option<usize> {
+    match &settings.storey {
+        Some(name) => enfilade_cad::storey_at(found.iter().map(|s| s.name.as_str()), name),
+        None => enfilade_cad::main_storey(found, read_options(settings).cut_m()),
+    }
+}
+
 /// Says what the stairs of a measured storey join it to.
 pub(crate) fn state(study: &Study, report: &mut Report) {
-    let Some(floors) = &study.base.floors else { return };
+    if study.base.floors.is_none() {
+        return;
+    }
     let place = Place::file(&study.base.plan.file);
-    match &study.lattice.beyond {
-        Some(beyond) => {
-            let text = format!(
-                "steps are counted over {} to {}: {} there",
-                counted(beyond.stairs.iter().filter(|s| !s.is_empty()).count() as u64, "stair"),
-                floors.reached().join(", "),
-                counted(beyond.vertices(), "cell")
-            );
+    match over_stairs(study) {
+        Some(over) => {
+            let (stairs, cells) = (counted(over.stairs, "stair"), counted(over.cells, "cell"));
+            let text =
+                format!("steps are counted over {stairs} to {}: {cells} there", over.storeys.join(", "));
             report.info("stairs", place, text);
         }
         None => {

@@ -3,6 +3,7 @@
 use super::edits::{built_axis, filling, outlines, thickness_m};
 use super::made::{Drawn, Moved, Together};
 use super::option::{BuildingOption, Judges};
+use super::overhead::Overhead;
 use super::sets::{BEST, Counted, MOST, Sets, front, paying, sort};
 use super::{Floor, Listed, shown, whole_mm};
 use crate::confirm::confirmed;
@@ -121,6 +122,8 @@ pub(super) struct Builder<'a> {
     pub(super) layouts: &'a [Vec<f64>],
     /// What sets gain that were confirmed already: options are points of the front too.
     pub(super) known: Mutex<Vec<(Asked, Gains)>>,
+    /// The storey above, where there is one.
+    pub(super) overhead: Option<Overhead>,
 }
 
 impl<'a> Builder<'a> {
@@ -338,6 +341,7 @@ impl<'a> Builder<'a> {
             built: built.into_iter().collect(),
             filling: filling.into(),
             opening: opening.map(|o| o.jambs.map(|j| at(j.at * base.plan.human_scale))),
+            above: self.overhead.as_ref().and_then(|o| o.over(base, &outlines(base, walls, work))),
         }
     }
 }

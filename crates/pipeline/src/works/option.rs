@@ -6,7 +6,7 @@ use crate::measure::worth::Worth;
 use crate::search::brief::Aims;
 use enfilade_cad::drawing::{Addition, Edit};
 use enfilade_config::WorkTable;
-use enfilade_overlay::built::{Effort, OptionWork, SHOWS_PRIVATE};
+use enfilade_overlay::built::{Effort, OptionWork, SHOWS_PRIVATE, above_words};
 use enfilade_overlay::picture::{PlanPicture, Stroke};
 use enfilade_overlay::result::{Gains, MoveEntry, Objective};
 use enfilade_overlay::words;
@@ -78,7 +78,9 @@ impl BuildingOption {
     fn costs(&self) -> impl Iterator<Item = String> {
         let private = if self.shows_private { SHOWS_PRIVATE } else { "" };
         let least = if self.is_least { IS_LEAST } else { "" };
-        [self.effort.words(), least.to_owned(), private.to_owned()].into_iter().filter(|s| !s.is_empty())
+        [self.effort.words(), above_words(&self.works), least.to_owned(), private.to_owned()]
+            .into_iter()
+            .filter(|s| !s.is_empty())
     }
 }
 

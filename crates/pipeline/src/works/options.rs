@@ -4,6 +4,7 @@ use super::Listed;
 use super::builder::{Builder, Set};
 use super::made::Drawn;
 use super::option::{BuildingOption, Judges};
+use super::overhead::Overhead;
 use crate::confirm::confirmed;
 use crate::confirm::ideas::SAME_MAPS;
 use crate::job::Job;
@@ -46,13 +47,17 @@ pub(crate) fn options(
     report: &mut Report,
     cancel: &Cancel,
 ) -> Result<Offered, Error> {
-    let builder = Builder { job, judges, listed, layouts, known: Mutex::default() };
+    let mut builder = Builder { job, judges, listed, layouts, known: Mutex::default(), overhead: None };
     let wanted = wanted(job.settings);
     builder.say_budget(report);
     let pinned = builder.pinned(report);
     let (mut sets, front) = builder.sets(cancel)?;
     sets.retain(|s| pinned.iter().all(|p| p.works != s.works || p.moved != s.moved));
     cancel.check()?;
+    if !(sets.is_empty() && front.is_empty() && pinned.is_empty()) {
+        builder.overhead = Overhead::of(job, &judges.study.base);
+    }
+    let builder = builder;
     let (least, mut left): (Vec<Set>, Vec<Set>) = sets.into_iter().partition(|s| s.is_least && wanted > 1);
     let mut taking = Taking { builder: &builder, taken: Vec::new(), made: Vec::new(), withheld: 0 };
     taking.keep(pinned, report);

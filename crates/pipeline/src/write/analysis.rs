@@ -12,7 +12,7 @@ use crate::write::heat_maps::{MapLook, heat_map};
 use crate::write::maps;
 use crate::write::show::{self, lattice_centre};
 use enfilade_overlay::Scale;
-use enfilade_overlay::result::{self, AnalysisResult};
+use enfilade_overlay::result::{self, AnalysisResult, OverStairs};
 use enfilade_report::{Error, OutFile, Report};
 
 pub(crate) fn analysis_of(
@@ -69,9 +69,21 @@ pub(crate) fn analysis_result(input: &Input<'_>, study: &Study, report: &Report)
         mean_ci95: show::mean_half_widths(study),
         estimate: Default::default(),
         penalty: show::penalty_numbers(&study.initial),
+        over_stairs: over_stairs(study),
         storeys: Vec::new(),
         problems: report.problems.iter().map(Into::into).collect(),
     }
+}
+
+/// What steps of a study reach over the stairs; none where they stay on its storey.
+pub(crate) fn over_stairs(study: &Study) -> Option<OverStairs> {
+    let beyond = study.lattice.beyond.as_ref()?;
+    let floors = study.base.floors.as_ref()?;
+    Some(OverStairs {
+        stairs: beyond.stairs.iter().filter(|s| !s.is_empty()).count() as u64,
+        storeys: floors.reached().into_iter().map(Into::into).collect(),
+        cells: beyond.vertices(),
+    })
 }
 
 /// Writes the result of an analysis again, of which more is known now.

@@ -1,4 +1,5 @@
-//! Steps over stairs: two storeys as one, told, the same from either side, and repeated by `analyse`.
+//! Storeys over one another: steps over stairs, told, the same from either side, repeated by `analyse`; and what stands
+//! above wall that works take away.
 
 use enfilade_config::{Partial, Settings};
 use enfilade_pipeline::{Input, Study, analyse};
@@ -114,4 +115,47 @@ fn an_option_is_measured_over_the_stairs_again() {
     let alone = Settings { over_stairs: false, ..again };
     let (alone, _) = analyse(&input, &alone, &Cancel::default()).unwrap();
     assert!(alone.result.mean.get("depth") < outcome.result.mean.get("depth"));
+}
+
+/// An opening below a wall of the upper floor names it, and over how much of the opening it stands.
+#[test]
+fn what_stands_above_wall_that_goes_is_named() {
+    let storey = IFC.lines().find(|l| l.contains("'Upper floor'")).and_then(|l| l.split_once('=')).unwrap().0;
+    // 2 m of wall over the wall of the hall, which runs up at 7 m.
+    let wall = format!(
+        "#9000=IFCCARTESIANPOINT((7000.,4200.,0.));\n#9001=IFCAXIS2PLACEMENT3D(#9000,$,$);\n\
+         #9002=IFCLOCALPLACEMENT(#520,#9001);\n#9003=IFCRECTANGLEPROFILEDEF(.AREA.,$,$,200.,2000.);\n\
+         #9004=IFCDIRECTION((0.,0.,1.));\n#9005=IFCEXTRUDEDAREASOLID(#9003,$,#9004,3000.);\n\
+         #9006=IFCSHAPEREPRESENTATION(#7,'Body','SweptSolid',(#9005));\n#9007=IFCPRODUCTDEFINITIONSHAPE($,$,(#9006));\n\
+         #9008=IFCWALL('0WallOfThePavilion0001',$,'above',$,$,#9002,#9007,'1',$);\n\
+         #9009=IFCRELCONTAINEDINSPATIALSTRUCTURE('0WallOfThePavilion0002',$,$,$,(#9008),{storey});\n"
+    );
+    let plain = IFC.replace("'Pset_Enfilade'", "'Pset_Other'");
+    let over = |text: &str, storey: &str| {
+        let own = Settings {
+            evaluations: Some(20),
+            members: 2,
+            allow: "structure".parse().unwrap(),
+            ..settings(storey, false)
+        };
+        let input = Input::new("house.ifc", text.as_bytes(), 1);
+        let started = std::time::Instant::now();
+        let round = enfilade_pipeline::run(&input, &own, started, &mut |_| {}, &Cancel::default()).unwrap();
+        let built = round.result.candidates.into_iter().filter(|c| !c.works.is_empty());
+        built.map(|c| (c.words, c.works)).collect::<Vec<_>>()
+    };
+    let alone = over(&plain, "Ground floor");
+    assert!(!alone.is_empty() && alone.iter().all(|(_, works)| works.iter().all(|w| w.above.is_none())));
+    let walled = plain.replace("ENDSEC;\nEND-ISO", &format!("{wall}ENDSEC;\nEND-ISO"));
+    let options = over(&walled, "Ground floor");
+    let below = options.iter().flat_map(|(words, works)| works.iter().map(move |w| (words, w)));
+    let below: Vec<_> = below.filter_map(|(words, w)| Some((words, w.stretch, w.above.clone()?))).collect();
+    assert!(!below.is_empty(), "{options:?}");
+    for (words, stretch, above) in below {
+        assert_eq!(above.storey, "Upper floor");
+        assert_eq!(above.elements.iter().map(|e| e.name()).collect::<Vec<_>>(), ["#9008"]);
+        let [lo, hi] = [0, 1].map(|k| stretch[k][1].clamp(3.2, 5.2));
+        assert!((above.length_m - (hi - lo).abs()).abs() < 0.06, "{stretch:?} {above:?}");
+        assert!(words.contains("of it walls of storey \"Upper floor\" stand: #9008"), "{words}");
+    }
 }
