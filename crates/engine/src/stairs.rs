@@ -146,11 +146,12 @@ impl Beyond {
     fn levels(&self, to_stairs: &[u32], max_level: u32) -> Vec<u32> {
         let mut out = Vec::new();
         for (from_stairs, count) in &self.far {
-            let ways = to_stairs
-                .iter()
-                .zip(from_stairs)
-                .filter_map(|(a, b)| (*a != NEVER && *b != NEVER).then(|| a.saturating_add(*b)));
-            let Some(level) = ways.min().filter(|level| *level <= max_level) else { continue };
+            let ways = to_stairs.iter().zip(from_stairs).filter(|(a, b)| **a != NEVER && **b != NEVER);
+            let Some(level) =
+                ways.map(|(a, b)| a.saturating_add(*b)).min().filter(|level| *level <= max_level)
+            else {
+                continue;
+            };
             let level = level as usize;
             if out.len() < level {
                 out.resize(level, 0);

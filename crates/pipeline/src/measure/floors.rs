@@ -48,6 +48,9 @@ pub(crate) struct Building {
     pub stairs: Vec<Footprint>,
 }
 
+/// Spacing and centre of cells.
+type Cells = (i64, PointUm);
+
 /// The building of a storey that is measured.
 #[derive(Clone)]
 pub struct Floors {
@@ -55,7 +58,7 @@ pub struct Floors {
     /// Which of its floors is measured.
     own: usize,
     /// What lies beyond, by spacing and centre of the cells.
-    known: Arc<Mutex<BTreeMap<(i64, PointUm), Arc<Laid>>>>,
+    known: Arc<Mutex<BTreeMap<Cells, Arc<Laid>>>>,
 }
 
 /// The other storeys on one lattice.
