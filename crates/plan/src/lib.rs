@@ -54,6 +54,7 @@ pub mod outline;
 pub mod parallels;
 mod paving;
 pub mod reading;
+mod repeats;
 pub mod rooms;
 mod rounds;
 pub mod sight;

@@ -6,9 +6,10 @@ use glam::DVec2;
 
 use super::by_place::{ByPlace, Entities, area, gap, is_in, wider};
 use super::parallels::{Piece, pieces};
-use super::view_names::{Title, is_of_title_block, title_of};
+use super::view_names::{Title, is_of_elevations, is_of_title_block, title_of};
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Drawing, Entity, Shape, Text};
+use enfilade_cad::names::base_name;
 use enfilade_cad::plane::{box_of, distance_to_segment};
 use enfilade_cad::roles::{Role, role_by_name};
 
@@ -31,20 +32,29 @@ pub struct OnSheet<'d> {
     texts: ByPlace,
     /// What each text says as a title.
     titles: Vec<Option<Title>>,
+    /// Texts that say how high floors lie, by their numbers.
+    heights: Vec<usize>,
     /// Straight pieces of walls.
     lines: Vec<Piece>,
     line_places: ByPlace,
+    /// Layers of the entities that draw them.
+    layers: Vec<&'d str>,
 }
 
 impl<'d> OnSheet<'d> {
-    pub fn new(drawing: &'d Drawing, walls: &[&Entity], metres_per_unit: f64) -> Self {
+    pub fn new(drawing: &'d Drawing, walls: &[&'d Entity], metres_per_unit: f64) -> Self {
         let lines = pieces(walls.iter().copied());
+        let mut titles: Vec<Option<Title>> = drawing.texts.iter().map(|t| title_of(&t.text)).collect();
+        let heights = heights(&drawing.texts, &titles, metres_per_unit);
+        heights.iter().for_each(|t| titles[*t] = Some(Title::NoPlan));
         Self {
             drawing,
             metres_per_unit,
             entities: Entities::new(drawing.entities.iter()),
             texts: ByPlace::new(drawing.texts.iter().map(|t| [t.at, t.at]).collect()),
-            titles: drawing.texts.iter().map(|t| title_of(&t.text)).collect(),
+            titles,
+            heights,
+            layers: walls.iter().map(|w| base_name(&w.layer)).collect(),
             line_places: ByPlace::new(lines.iter().map(|p| [p.a.min(p.b), p.a.max(p.b)]).collect()),
             lines,
         }
@@ -94,6 +104,12 @@ impl<'d> OnSheet<'d> {
         near.sort_by(|p, q| p.0.total_cmp(&q.0).then(is_over(p.1, p.2).cmp(&is_over(q.1, q.2))));
         let mut out = vec![None; boxes.len()];
         let mut is_taken = vec![false; texts.len()];
+        // What tells of heights says more of the drawing it stands by than any name.
+        for &t in &self.heights {
+            let by = near.iter().find(|n| n.2 == t).map(|n| n.1);
+            by.into_iter().for_each(|b| out[b] = Some((Title::NoPlan, first_line(&texts[t]))));
+            is_taken[t] = true;
+        }
         for (_, b, t) in near {
             if out[b].is_none() && !is_taken[t] {
                 is_taken[t] = true;
@@ -106,6 +122,16 @@ impl<'d> OnSheet<'d> {
             }
         }
         out
+    }
+
+    /// The layer on which most of the walls in a box are drawn, where it is named after elevations.
+    pub fn elevation(&self, extent: &[DVec2; 2]) -> Option<&'d str> {
+        let is_in = is_in(extent);
+        let inside = self.line_places.touching(extent).into_iter().map(|i| &self.lines[i]);
+        let inside: Vec<&str> =
+            inside.filter(|p| is_in(&p.a) && is_in(&p.b)).map(|p| self.layers[p.entity]).collect();
+        let layer = *inside.iter().find(|l| is_of_elevations(l))?;
+        (2 * inside.iter().filter(|l| is_of_elevations(l)).count() > inside.len()).then_some(layer)
     }
 
     /// What stands in a box that only the title of a whole sheet says.
@@ -142,6 +168,42 @@ impl<'d> OnSheet<'d> {
             && !drawn.any(is_door)
     }
 }
+
+/// Names of floors that stand over one another in a column, as far apart as floors do: beside sections and elevations they
+/// say how high each lies. By the numbers of the texts.
+fn heights(texts: &[Text], titles: &[Option<Title>], metres_per_unit: f64) -> Vec<usize> {
+    let names_floor = |t: &usize| {
+        matches!(titles[*t], Some(Title::Plan | Title::GroundFloor | Title::Outside | Title::Services))
+    };
+    let named: Vec<usize> = (0..texts.len()).filter(names_floor).collect();
+    let at = |t: usize| texts[t].at * metres_per_unit;
+    let is_next = |a: usize, b: usize| {
+        let by = at(b) - at(a);
+        by.x.abs() <= COLUMN_M && STOREY_M.contains(&by.y)
+    };
+    let above = |t: usize| named.iter().copied().find(|n| is_next(t, *n));
+    let mut out = Vec::new();
+    for &lowest in &named {
+        let column: Vec<usize> = std::iter::successors(Some(lowest), |t| above(*t)).collect();
+        if column.len() >= FLOORS_MIN {
+            out.extend(column);
+        }
+    }
+    // The ground is named a little aside.
+    let is_by = |t: &usize| out.iter().any(|o| at(*o).distance(at(*t)) <= ASIDE_M);
+    let mut all: Vec<usize> = named.iter().copied().filter(is_by).collect();
+    all.sort_unstable();
+    all
+}
+
+/// Names in a column start no farther from one another, metres.
+const COLUMN_M: f64 = 0.5;
+/// Heights of storeys, metres: plans that stand over one another on a sheet are farther apart.
+const STOREY_M: RangeInclusive<f64> = 2.2..=4.5;
+/// What stands so near to a column of names is one of them, metres.
+const ASIDE_M: f64 = 3.0;
+/// Two names may be those of two small plans.
+const FLOORS_MIN: usize = 3;
 
 /// The middle of a shape's box.
 pub fn middle(shape: &Shape) -> DVec2 {
@@ -181,5 +243,27 @@ mod tests {
         assert_eq!(both, ["GROUND FLOOR", "UPPER FLOOR"]);
         assert_eq!(named(&[("UPPER FLOOR", 11.0)]), ["", "UPPER FLOOR"]);
         assert_eq!(named(&[("GROUND FLOOR", -2.5), ("UPPER FLOOR", 10.5)]), both, "as near to both");
+    }
+
+    /// Floors named over one another, as high as floors are, say that a section stands there; two of them, or plans one above
+    /// the other, do not.
+    #[test]
+    fn names_of_heights_stand_by_a_section() {
+        let source = SourceRef { record: 0, handle: None, line: 0, kind: "TEXT".into(), layer: "0".into() };
+        let names = ["GROUND FLOOR LEVEL", "FIRST FLOOR LEVEL", "ROOF LEVEL"];
+        let says = |count: usize, step: f64| {
+            let text = |(i, words): (usize, &&str)| Text {
+                source: source.clone(),
+                layer: "0".into(),
+                at: DVec2::new(0.1 * i as f64, step * i as f64),
+                text: (*words).into(),
+            };
+            let texts = names.iter().take(count).enumerate().map(text).collect();
+            let drawing = Drawing { texts, ..Drawing::of(Vec::new()) };
+            OnSheet::new(&drawing, &[], 1.0).says_no_plan_by(&[DVec2::ZERO, DVec2::new(12.0, 9.0)])
+        };
+        assert!(says(3, 2.6));
+        assert!(!says(2, 2.6));
+        assert!(!says(3, 12.0));
     }
 }

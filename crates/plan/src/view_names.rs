@@ -302,6 +302,9 @@ const NO_SECTIONS: &[&str] = &["abschnitt", "avsnitt"];
 const SIDES: &[&str] =
     &["north", "south", "east", "west", "front", "rear", "back", "side", "left", "right", "street"];
 
+/// What is built, and stands in sections: `RC. FLOOR SLAB`.
+const BUILT: &[&str] = &["slab", "slabs"];
+
 /// Words that point to another drawing.
 const POINTERS: &[&str] = &["see", "refer", "siehe", "voir", "vedi", "zie"];
 
@@ -317,6 +320,36 @@ fn is_section(words: &[&str]) -> bool {
     let cuts = words.windows(2).any(|w| w[0] == "sec" && is_cut(w[1]));
     let sides = words.contains(&"elev") && words.iter().any(|w| SIDES.contains(w));
     words.iter().any(is_compound) || cuts || sides
+}
+
+/// Words of layers on which elevations are drawn. Those of sections are names of what is cut, in plans too.
+const ELEVATIONS: &[&str] = &[
+    "elevation",
+    "elevations",
+    "élévation",
+    "facade",
+    "façade",
+    "ansicht",
+    "ansichten",
+    "alzado",
+    "alzados",
+    "fachada",
+    "prospetto",
+    "prospetti",
+    "alçado",
+    "gevel",
+    "fasad",
+    "fasade",
+    "julkisivu",
+    "elewacja",
+    "görünüş",
+    "фасад",
+];
+
+/// Whether a layer is named after elevations.
+pub fn is_of_elevations(layer: &str) -> bool {
+    let lower = layer.to_lowercase();
+    lower.split(|c: char| !c.is_alphanumeric()).any(|w| ELEVATIONS.contains(&w)) || lower.contains("立面")
 }
 
 /// Whether a title that means the ground floor by itself calls it the first one, which is another where both are drawn.
@@ -335,7 +368,7 @@ pub fn title_of(text: &str) -> Option<Title> {
         lower.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { ' ' }).collect();
     // `1.OG` and `EG` as words of their own, `1 og` too.
     let list: Vec<&str> = words.split_whitespace().collect();
-    if list.first().is_some_and(|w| POINTERS.contains(w)) {
+    if list.first().is_some_and(|w| POINTERS.contains(w)) || list.iter().any(|w| BUILT.contains(w)) {
         return None;
     }
     if is_section(&list) {
@@ -373,6 +406,19 @@ mod tests {
     }
 
     #[test]
+    fn layers_of_elevations_are_known_by_their_words() {
+        for (layer, expected) in [
+            ("FRONT-ELEVATION", true),
+            ("A_Ansicht Nord", true),
+            ("ELEV", false),
+            ("DETAILS", false),
+            ("SECTION-A", false),
+        ] {
+            assert_eq!(is_of_elevations(layer), expected, "{layer}");
+        }
+    }
+
+    #[test]
     fn titles_of_many_languages() {
         for (text, expected) in [
             ("GROUND FLOOR", Some(Title::GroundFloor)),
@@ -399,6 +445,7 @@ mod tests {
             ("ELEV. LOBBY", None),
             ("ELEV. +3.20", None),
             ("See detail 4", None),
+            ("RC. FLOOR SLAB.", None),
             ("LEGEND", Some(Title::Beside)),
             ("KEY PLAN", Some(Title::Beside)),
             ("REFLECTED CEILING PLAN", Some(Title::Services)),

@@ -11,6 +11,7 @@ use glam::DVec2;
 use super::by_place::{ByPlace, area, gap, is_in, union, wider};
 use super::on_sheet::{OnSheet, middle};
 use super::parallels::{Piece, pieces};
+use super::repeats::{APART_STOREYS_M, has_storeys};
 use super::view_names::{Title, is_first_floor};
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Drawing, Entity};
@@ -139,9 +140,9 @@ pub struct Sheet {
 
 /// Splits a sheet. `walls` are the entities taken as walls, `is_seen` says which others count. Drawings over which one
 /// of the `marks` reaches are one, unless the user says which drawing is meant (`is_told`).
-pub fn split(
-    drawing: &Drawing,
-    walls: &[&Entity],
+pub fn split<'d>(
+    drawing: &'d Drawing,
+    walls: &[&'d Entity],
     is_seen: &dyn Fn(&Entity) -> bool,
     (marks, is_told): (&[SheetMark], bool),
     metres_per_unit: f64,
@@ -268,6 +269,8 @@ fn parts(
     let others = pieces(seen.iter().copied()).into_iter().filter(|p| p.length() < frame).map(|p| (p, 0));
     let drawn: Vec<(Piece, usize)> = drawn.chain(others).collect();
     let parts = rastered(drawn.iter(), lo, cell);
+    let parts: Vec<Part> =
+        parts.into_iter().flat_map(|part| storeys(on_sheet, &drawn, (lo, cell / NEARER), part)).collect();
     let is_noted: Vec<bool> = parts.iter().map(|p| on_sheet.says_no_plan_by(&p.extent)).collect();
     if !is_noted.contains(&true) {
         return parts;
@@ -280,6 +283,36 @@ fn parts(
     };
     let one = |(part, is_noted)| if is_noted { parted(on_sheet, nearer(&part), part) } else { vec![part] };
     parts.into_iter().zip(is_noted).flat_map(one).collect()
+}
+
+/// A part in which storeys of one building stand side by side as one part each, with what stands nearest to it; any other as
+/// it is. `raster`: where smaller cells begin, and their side.
+fn storeys(
+    on_sheet: &OnSheet<'_>,
+    drawn: &[(Piece, usize)],
+    (lo, cell): (DVec2, f64),
+    part: Part,
+) -> Vec<Part> {
+    if part.wall_pieces < 2 * OWN_PIECES {
+        return vec![part];
+    }
+    let is_inside = is_in(&part.extent);
+    let walls = || drawn.iter().filter(|(p, walls)| *walls > 0 && is_inside(&p.a) && is_inside(&p.b));
+    let mut own = rastered(walls(), lo, cell);
+    own.retain(|p| p.is_own(on_sheet.metres_per_unit));
+    let mut boxes: Vec<[DVec2; 2]> = own.iter().map(|p| p.extent).collect();
+    let before = |i: usize, _: usize| 0..i;
+    let near = APART_STOREYS_M / on_sheet.metres_per_unit;
+    join_all(&mut boxes, before, |a, b| gap(a, b) < near, |joined, gone| *joined = union(joined, &gone));
+    let pieces: Vec<&Piece> = walls().map(|(p, _)| p).collect();
+    if boxes.len() < 2 || !has_storeys(&boxes, &pieces, on_sheet.metres_per_unit) {
+        return vec![part];
+    }
+    let mut out: Vec<Part> = boxes.iter().map(|b| Part { extent: *b, wall_pieces: 0 }).collect();
+    for piece in pieces {
+        out[nearest(&boxes, piece.a.midpoint(piece.b))].wall_pieces += 1;
+    }
+    out
 }
 
 fn rastered<'a>(drawn: impl Iterator<Item = &'a (Piece, usize)>, lo: DVec2, cell: f64) -> Vec<Part> {
@@ -489,8 +522,11 @@ fn views(on_sheet: &OnSheet<'_>, boxes: &[[DVec2; 2]]) -> Vec<View> {
     let titles = if boxes.len() > 1 { on_sheet.titles(boxes) } else { vec![None] };
     let mut out: Vec<View> = Vec::new();
     for (extent, title) in boxes.iter().zip(titles) {
-        let (kind, name) = title.unwrap_or((Title::Unknown, String::new()));
-        let why = if name.is_empty() { "no title by it".into() } else { format!("titled {name:?}") };
+        let (mut kind, name) = title.unwrap_or((Title::Unknown, String::new()));
+        let mut why = if name.is_empty() { "no title by it".into() } else { format!("titled {name:?}") };
+        if let Some(layer) = on_sheet.elevation(extent).filter(|_| boxes.len() > 1) {
+            (kind, why) = (Title::NoPlan, format!("drawn on layer {layer:?}"));
+        }
         let (number, wall_pieces, column_pieces, is_chosen) = (0, 0, 0, false);
         out.push(View {
             number,
