@@ -77,7 +77,7 @@ mod tests {
     /// Both faces of the walls of a building of 10 by 8 m with a partition at `x`, stretched and moved.
     fn building(x: f64, times: DVec2, by: DVec2) -> Vec<Piece> {
         let ring = |t: f64| {
-            let [lo, hi] = [t, -t].map(|t| DVec2::splat(t));
+            let [lo, hi] = [t, -t].map(DVec2::splat);
             let (lo, hi) = (lo, DVec2::new(10.0, 8.0) + hi);
             [lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y), lo]
         };
