@@ -6,7 +6,7 @@ pub(crate) mod backend;
 pub(crate) mod card;
 pub mod cells;
 pub(crate) mod estimate;
-pub mod floors;
+pub(crate) mod floors;
 pub(crate) mod lattices;
 pub(crate) mod limits;
 pub(crate) mod look;
@@ -20,6 +20,7 @@ pub(crate) mod worth;
 pub(crate) mod written;
 
 use crate::job::{Input, Job};
+use crate::measure::floors::Floors;
 use crate::measure::study::Study;
 use crate::understand::understood::Understood;
 use enfilade_engine::sampled::AREA_ROOTS;
@@ -49,14 +50,14 @@ fn state_cut_off(study: &Study, input: &Input<'_>, report: &mut Report) {
     }
 }
 
-/// A study of what is understood, on the graphics card where the settings ask for it; with trees of about `roots` roots
+/// A study of what is understood, within its building where steps are counted over the stairs, on the graphics card where the settings ask for it; with trees of about `roots` roots
 /// alone, where that many are named.
 ///
 /// # Errors
 /// As [`Study::from_roots`].
 pub(crate) fn measure(
     job: Job<'_>,
-    base: Understood,
+    base: (Understood, Option<Floors>),
     roots: Option<usize>,
     report: &mut Report,
 ) -> Result<Study, Error> {

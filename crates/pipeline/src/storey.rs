@@ -33,14 +33,14 @@ pub(crate) fn measure_storey(
     let Job { input, settings } = job;
     state_unread(input, settings, &mut report);
     let drawing = read::drawing(input.file(), &input.bytes, settings, &mut report)?;
-    let mut base = understand::understood(&drawing, settings, &mut report)?;
+    let base = understand::understood(&drawing, settings, &mut report)?;
     understood();
     cancel.check()?;
-    base.floors = match floors {
+    let floors = match floors {
         Some(floors) => Some(floors),
         None => together::floors(job, &base, &mut report)?,
     };
-    let study = measure::measure(job, base, roots, &mut report)?;
+    let study = measure::measure(job, (base, floors), roots, &mut report)?;
     together::state(&study, &mut report);
     cancel.check()?;
     Ok((study, report))

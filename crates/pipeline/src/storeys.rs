@@ -174,7 +174,7 @@ pub(crate) fn analyse(
             out.push(entry(storey, &shown.base, ".", show::mean_numbers(shown, &shown.initial)));
             continue;
         }
-        let floors = shown.base.floors.as_ref().and_then(|f| f.on(own.storey.as_deref()?));
+        let floors = shown.floors.as_ref().and_then(|f| f.on(own.storey.as_deref()?));
         // A storey that is not joined is measured by itself, and its building is not read again for it.
         let own = &Settings { over_stairs: false, ..own.clone() };
         out.push(

@@ -161,7 +161,6 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         closings,
         entities,
         marked,
-        floors: None,
     };
     if !groups.is_empty() {
         base.moves = marked::taken_up(&mut base, &groups, settings, report);

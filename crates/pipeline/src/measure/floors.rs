@@ -6,16 +6,12 @@ use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
 
-use crate::measure::look::LatticeAt;
-use crate::measure::seen::Use;
-use crate::measure::study::Study;
 use crate::understand::understood::Understood;
 use enfilade_config::Settings;
-use enfilade_engine::geometry::{PointUm, UM_PER_M};
+use enfilade_engine::geometry::PointUm;
 use enfilade_engine::lattice::CellIndex;
 use enfilade_engine::stairs::{Beyond, Far, Stair, far};
-use enfilade_engine::visibility::{Graph, visibility_graph};
-use enfilade_report::Report;
+use enfilade_engine::visibility::Graph;
 
 /// A storey as it is drawn, ready to be laid out with cells.
 pub(crate) struct Floor {
@@ -49,7 +45,7 @@ pub(crate) struct Building {
 }
 
 /// Spacing and centre of cells.
-type Cells = (i64, PointUm);
+pub(crate) type Cells = (i64, PointUm);
 
 /// The building of a storey that is measured.
 #[derive(Clone)]
@@ -62,10 +58,22 @@ pub struct Floors {
 }
 
 /// The other storeys on one lattice.
-struct Laid {
+pub(crate) struct Laid {
     far: Far,
     /// Those that stairs lead to, ascending.
     reached: Vec<usize>,
+    /// The stairs of the measured storey.
+    stairs: Vec<Footprint>,
+}
+
+impl Laid {
+    /// What lies beyond the stairs of the measured storey, of which these are the cells; none where no stair stands on
+    /// any.
+    pub fn beyond(&self, cells: &CellIndex) -> Option<Beyond> {
+        let stairs: Vec<Vec<u32>> = self.stairs.iter().map(|s| s.vertices(cells)).collect();
+        let stands = stairs.iter().any(|s| !s.is_empty()) && !self.far.is_empty();
+        stands.then(|| Beyond { stairs, far: self.far.clone() })
+    }
 }
 
 /// The storeys that stairs lead to from one, over others too; where it is left itself is asked of its own cells.
@@ -113,46 +121,33 @@ impl Floors {
         reached.into_iter().filter_map(|i| Some(self.building.floors.get(i)?.key.as_str())).collect()
     }
 
-    /// What lies beyond the stairs of the measured storey, of which these are the cells; none where no stair stands on
-    /// any.
-    pub(crate) fn beyond(&self, cells: &CellIndex, at: LatticeAt) -> Option<Beyond> {
-        let own = self.building.stairs.iter().filter(|s| s.storeys.contains(&self.own));
-        let stairs: Vec<Vec<u32>> = own.map(|s| s.vertices(cells)).collect();
-        if stairs.iter().all(Vec::is_empty) {
-            return None;
-        }
-        let far = self.laid(at).far.clone();
-        (!far.is_empty()).then_some(Beyond { stairs, far })
-    }
-
-    fn laid(&self, at: LatticeAt) -> Arc<Laid> {
-        let key = (at.spacing_um, at.centre_um);
-        if let Some(known) = self.known.lock().ok().and_then(|known| known.get(&key).cloned()) {
+    /// The other storeys on cells of a spacing and a centre, micrometres of the drawing frame; `lay` tells who sees whom on one of
+    /// them, none where it has no such cells.
+    pub(crate) fn laid(
+        &self,
+        at: Cells,
+        lay: impl Fn(&Floor) -> Option<(Graph, CellIndex)> + Sync,
+    ) -> Arc<Laid> {
+        if let Some(known) = self.known.lock().ok().and_then(|known| known.get(&at).cloned()) {
             return known;
         }
         let Building { floors, stairs } = &*self.building;
-        let laid = |(i, floor): (usize, &Floor)| {
-            let other = (i != self.own).then(|| Arc::clone(&floor.base))?;
-            let told_by = (LOOKED_AT, at.spacing_um as f64 / UM_PER_M);
-            let on = Study::on(other, &floor.settings, &[at], told_by, &mut Report::default()).ok()?;
-            let graph = visibility_graph(&on.lattice, &on.initial_obstacles());
-            Some((graph, CellIndex::new(&on.lattice)))
-        };
-        let laid: Vec<Option<(Graph, CellIndex)>> = floors.par_iter().enumerate().map(laid).collect();
+        let others = floors.par_iter().enumerate().map(|(i, f)| if i == self.own { None } else { lay(f) });
+        let laid: Vec<Option<(Graph, CellIndex)>> = others.collect();
         let stair = |s: &Footprint| {
             let vertices = s.storeys.map(|i| laid[i].as_ref().map_or_else(Vec::new, |l| s.vertices(&l.1)));
             Stair { storeys: s.storeys, vertices }
         };
-        let stairs: Vec<Stair> = stairs.iter().map(stair).collect();
+        let ties: Vec<Stair> = stairs.iter().map(stair).collect();
         let graphs: Vec<Option<&Graph>> = laid.iter().map(|l| l.as_ref().map(|l| &l.0)).collect();
-        let reached = joined(&stairs, self.own);
-        let found = Arc::new(Laid { far: far(&graphs, &stairs, self.own), reached });
+        let found = Arc::new(Laid {
+            far: far(&graphs, &ties, self.own),
+            reached: joined(&ties, self.own),
+            stairs: stairs.iter().filter(|s| s.storeys.contains(&self.own)).cloned().collect(),
+        });
         if let Ok(mut known) = self.known.lock() {
-            known.insert(key, Arc::clone(&found));
+            known.insert(at, Arc::clone(&found));
         }
         found
     }
 }
-
-/// Nothing is told of the other storeys: as few trees as can be.
-const LOOKED_AT: Use = Use::Roots(1, 0);

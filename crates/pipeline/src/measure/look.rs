@@ -2,6 +2,7 @@
 //!
 //! Which cell centres happen to be free decides nothing where a value is the mean over shifted lattices.
 
+use crate::measure::floors::Laid;
 use crate::measure::seen::{Scene, Seen, Use};
 use crate::understand::understood::Understood;
 use enfilade_config::{Measure, PairName, Settings, Source};
@@ -57,11 +58,11 @@ impl Look {
         base: &Understood,
         identity: &Layout,
         settings: &Settings,
-        (use_for, unit_m): (Use, f64),
+        (use_for, over, unit_m): (Use, Option<&Laid>, f64),
         report: &mut Report,
     ) -> Result<Self, Error> {
-        let main = Scene::new(ground, base, identity, asked(settings, None), use_for, report)?;
-        let pairs = pairs(base, ground, identity, settings, use_for, report)?;
+        let main = Scene::new(ground, base, identity, asked(settings, None), (use_for, over), report)?;
+        let pairs = pairs(base, ground, identity, settings, (use_for, over), report)?;
         Ok(Self { main, pairs, coarseness: ground.spacing_um as f64 / UM_PER_M / unit_m })
     }
 
@@ -104,7 +105,7 @@ pub(crate) fn pairs(
     ground: &Ground<'_>,
     identity: &Layout,
     settings: &Settings,
-    use_for: Use,
+    (use_for, over): (Use, Option<&Laid>),
     report: &mut Report,
 ) -> Result<Vec<Pair>, Error> {
     let markers = &base.plan.markers;
@@ -121,7 +122,7 @@ pub(crate) fn pairs(
         let own = Ground { query, reference, ..ground.clone() };
         let asked = asked(settings, Some(name));
         // What there is to say of the interior was said of the unnamed pair.
-        let scene = Scene::new(&own, base, identity, asked, use_for, &mut Report::default());
+        let scene = Scene::new(&own, base, identity, asked, (use_for, over), &mut Report::default());
         let scene = scene.map_err(|e| {
             let text = format!("the regions named {name}: {e}");
             Error::input("pair", Place::file(&base.plan.file), text)

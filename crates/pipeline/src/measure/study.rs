@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use glam::DVec2;
 use rayon::prelude::*;
 
+use crate::measure::floors::{Floor, Floors};
 use crate::measure::look::{Bench, Look, SeenOn, state_asked};
 use crate::measure::parts::{blind, fixed_parts, moving_segments, stopping};
 use crate::measure::seen::Scene;
@@ -18,6 +19,7 @@ use enfilade_config::{Aggregate, Aim, Measure, PairName, Settings};
 use enfilade_engine::geometry::{PointUm, UM_PER_M};
 use enfilade_engine::gpu::Gpu;
 use enfilade_engine::lattice::{CellIndex, Ground};
+use enfilade_engine::visibility::{Graph, visibility_graph};
 use enfilade_engine::{Lattice, Obstacles};
 use enfilade_moves::Layout;
 use enfilade_penalties::{Alignment, Clearance, Overlap, Passage, RoomArea, WallLength, WallPiece};
@@ -38,6 +40,8 @@ pub const CLEARANCE_RADIUS_M: f64 = 0.5;
 pub struct Study {
     /// What was understood.
     pub base: Arc<Understood>,
+    /// Its building, where steps are counted over the stairs.
+    pub(crate) floors: Option<Floors>,
     /// The cells of the first lattice.
     pub lattice: Arc<Lattice>,
     /// Spacing of these cells, metres.
@@ -75,15 +79,16 @@ impl Study {
     /// # Errors
     /// [`Error::Input`] when no cell is left or a limit is passed.
     pub fn new(base: Understood, settings: &Settings, report: &mut Report) -> Result<Self, Error> {
-        Self::from_roots(base, settings, None, report)
+        Self::from_roots((base, None), settings, None, report)
     }
 
-    /// [`Study::new`] for a look at the present layout alone, with breadth-first trees of about so many roots.
+    /// [`Study::new`] within its building, where steps are counted over the stairs; for a look at the present layout alone with
+    /// breadth-first trees of about so many roots.
     ///
     /// # Errors
     /// As [`Study::new`].
-    pub fn from_roots(
-        base: Understood,
+    pub(crate) fn from_roots(
+        (base, floors): (Understood, Option<Floors>),
         settings: &Settings,
         roots: Option<usize>,
         report: &mut Report,
@@ -93,7 +98,7 @@ impl Study {
         let centre_um = settings.lattice_centre_m.unwrap_or_default().map(|v| (v * UM_PER_M).round() as i64);
         let at = LatticeAt { spacing_um, centre_um };
         let study = Self::on(
-            Arc::new(base),
+            (Arc::new(base), floors),
             settings,
             &[at],
             (roots.map_or(Use::Search, |n| Use::Roots(n, settings.seed)), spacing_m),
@@ -113,7 +118,7 @@ impl Study {
         lattices: &[LatticeAt],
         use_for: Use,
     ) -> Result<Self, Error> {
-        let base = Arc::clone(&self.base);
+        let base = (Arc::clone(&self.base), self.floors.clone());
         Self::on(base, settings, lattices, (use_for, self.spacing_m), &mut Report::default())
     }
 
@@ -123,8 +128,8 @@ impl Study {
     }
 
     /// What it is for, and the spacing in whose cells counts are told.
-    pub(super) fn on(
-        base: Arc<Understood>,
+    fn on(
+        (base, floors): (Arc<Understood>, Option<Floors>),
         settings: &Settings,
         lattices: &[LatticeAt],
         (use_for, unit_m): (Use, f64),
@@ -155,7 +160,10 @@ impl Study {
         };
         let look = |at: &LatticeAt| {
             let mut own = Report::default();
-            let look = Look::new(&ground(at), &base, &identity, settings, (use_for, unit_m), &mut own);
+            let ground = ground(at);
+            let over = floors.as_ref().map(|f| f.laid((ground.spacing_um, ground.centre_um), Self::lay(*at)));
+            let use_for = (use_for, over.as_deref(), unit_m);
+            let look = Look::new(&ground, &base, &identity, settings, use_for, &mut own);
             look.map(|look| (look, own))
         };
         let looks: Vec<(Look, Report)> = lattices.par_iter().map(look).collect::<Result<_, _>>()?;
@@ -188,6 +196,7 @@ impl Study {
             looks,
             gpu: None,
             base: Arc::clone(&base),
+            floors: floors.clone(),
             spacing_m,
             roots: if let Use::Roots(n, _) = use_for { Some(n) } else { None },
             card_trouble: OnceLock::new(),
@@ -206,6 +215,17 @@ impl Study {
         let seen = study.looks.par_iter().map(initial).collect();
         study.initial = study.worth(seen, &study.pieces.drawn, &identity);
         Ok(study)
+    }
+
+    /// How another storey of the building is laid out: who sees whom on a lattice.
+    fn lay(at: LatticeAt) -> impl Fn(&Floor) -> Option<(Graph, CellIndex)> + Sync {
+        move |floor| {
+            // Nothing is told of it: as few trees as can be.
+            let told = (Use::Roots(1, 0), at.spacing_um as f64 / UM_PER_M);
+            let base = (Arc::clone(&floor.base), None);
+            let on = Self::on(base, &floor.settings, &[at], told, &mut Report::default()).ok()?;
+            Some((visibility_graph(&on.lattice, &on.initial_obstacles()), CellIndex::new(&on.lattice)))
+        }
     }
 
     /// The named pairs of regions, on the first lattice.

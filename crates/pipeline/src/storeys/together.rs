@@ -92,8 +92,8 @@ fn ways_up(base: &Understood, settings: &Settings) -> Result<Vec<Ring>, Error> {
 
 /// The storey above the one that was understood, with what `--storey` calls it; none above the highest with walls, nor where
 /// it cannot be read.
-pub(crate) fn above(job: Job<'_>, base: &Understood) -> Option<(String, Arc<Understood>)> {
-    if let Some(floors) = &base.floors {
+pub(crate) fn above(job: Job<'_>, study: &Study) -> Option<(String, Arc<Understood>)> {
+    if let Some(floors) = &study.floors {
         return floors.above();
     }
     let Job { input, settings } = job;
@@ -119,7 +119,7 @@ fn own_of(found: &[StoreyInfo], settings: &Settings) -> Option<usize> {
 
 /// Says what the stairs of a measured storey join it to.
 pub(crate) fn state(study: &Study, report: &mut Report) {
-    if study.base.floors.is_none() {
+    if study.floors.is_none() {
         return;
     }
     let place = Place::file(&study.base.plan.file);

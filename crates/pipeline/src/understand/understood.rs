@@ -2,7 +2,6 @@
 
 use glam::DVec2;
 
-use crate::measure::floors::Floors;
 use crate::understand::building::NamedOpening;
 use enfilade_cad::drawing::Text;
 use enfilade_cad::wish::Wish;
@@ -60,8 +59,6 @@ pub struct Understood {
     pub entities: Vec<usize>,
     /// For every mark of the axes the index of its entity.
     pub marked: Vec<usize>,
-    /// The other storeys, where steps are counted over the stairs.
-    pub floors: Option<Floors>,
 }
 
 impl Understood {

@@ -55,7 +55,7 @@ pub(crate) fn options(
     sets.retain(|s| pinned.iter().all(|p| p.works != s.works || p.moved != s.moved));
     cancel.check()?;
     if !(sets.is_empty() && front.is_empty() && pinned.is_empty()) {
-        builder.overhead = Overhead::of(job, &judges.study.base);
+        builder.overhead = Overhead::of(job, judges.study);
     }
     let builder = builder;
     let (least, mut left): (Vec<Set>, Vec<Set>) = sets.into_iter().partition(|s| s.is_least && wanted > 1);

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::whole_mm;
 use crate::job::Job;
+use crate::measure::study::Study;
 use crate::storeys::together;
 use crate::understand::understood::Understood;
 use crate::write::show;
@@ -30,8 +31,8 @@ pub(super) struct Overhead {
 
 impl Overhead {
     /// The one above the storey that was understood; none above the highest.
-    pub(super) fn of(job: Job<'_>, base: &Understood) -> Option<Self> {
-        let (storey, base) = together::above(job, base)?;
+    pub(super) fn of(job: Job<'_>, study: &Study) -> Option<Self> {
+        let (storey, base) = together::above(job, study)?;
         let walls = walls(&base.plan, &base.axes);
         Some(Self { storey, base, walls })
     }

@@ -78,7 +78,7 @@ pub(crate) fn analysis_result(input: &Input<'_>, study: &Study, report: &Report)
 /// What steps of a study reach over the stairs; none where they stay on its storey.
 pub(crate) fn over_stairs(study: &Study) -> Option<OverStairs> {
     let beyond = study.lattice.beyond.as_ref()?;
-    let floors = study.base.floors.as_ref()?;
+    let floors = study.floors.as_ref()?;
     Some(OverStairs {
         stairs: beyond.stairs.iter().filter(|s| !s.is_empty()).count() as u64,
         storeys: floors.reached().into_iter().map(Into::into).collect(),
