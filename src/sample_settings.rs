@@ -11,6 +11,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # reference-layer = "EF-REFERENCE"  # what they should see
 # storey = "Level 1"                # of a building, or its number from the lowest; by default the one with most walls
 # over-stairs = true                # steps are counted over the stairs to the other storeys too
+# of-storey = "Level 1"             # moves, regions, works and pins here are of that storey, and not used on others
 # query = "space:Gallery*"           # spaces of a building that are the region of query
 # accept-missing-eof = false        # read a DXF that ends without its end mark
 # unsure = "ask"                    # an unsure reading: ask and make no option; or "optimise"

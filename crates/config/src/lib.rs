@@ -191,6 +191,8 @@ pub struct Partial {
     pub storey: Option<String>,
     /// Whether steps are counted over the stairs to the other storeys of the building.
     pub over_stairs: Option<bool>,
+    /// The storey that moves, regions, works and pins belong to: on others they are not used.
+    pub of_storey: Option<String>,
     pub query: Option<String>,
     pub accept_missing_eof: Option<bool>,
     pub ignore_move_markers: Option<bool>,
@@ -276,6 +278,9 @@ impl Partial {
         };
         let warm_moves = if self.warm.is_some() { self.warm_moves } else { base.warm_moves };
         let tables = |mine: Vec<_>, theirs| if mine.is_empty() { theirs } else { mine };
+        let is_other = matches!((&self.storey, &base.storey), (Some(own), Some(other)) if own != other);
+        let of_base = base.of_storey.or_else(|| base.storey.clone().filter(|_| is_other));
+        let of_storey = self.of_storey.or(of_base);
         Self {
             version: None,
             unit: self.unit.or(base.unit),
@@ -322,6 +327,7 @@ impl Partial {
             pictures: self.pictures.or(base.pictures),
             storey: self.storey.or(base.storey),
             over_stairs: self.over_stairs.or(base.over_stairs),
+            of_storey,
             query: self.query.or(base.query),
             accept_missing_eof: self.accept_missing_eof.or(base.accept_missing_eof),
             ignore_move_markers: self.ignore_move_markers.or(base.ignore_move_markers),
@@ -460,6 +466,12 @@ pub struct Settings {
     /// Whether steps are counted over the stairs to the other storeys of the building.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub over_stairs: bool,
+    /// The storey that moves, regions, works and pins belong to: on others they are not used.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub of_storey: Option<String>,
+    /// Why moves, regions, works and pins were left out.
+    #[serde(skip)]
+    pub tables_left: Option<String>,
     /// Spaces that are the region of query: `space:NAME*` or `zone:NAME*`.
     #[serde(default)]
     pub query: Option<String>,
@@ -633,6 +645,8 @@ impl Settings {
             pictures: p.pictures.unwrap_or(true),
             storey: p.storey,
             over_stairs: p.over_stairs.unwrap_or(false),
+            of_storey: p.of_storey,
+            tables_left: None,
             query: p.query,
             accept_missing_eof: p.accept_missing_eof.unwrap_or(false),
             beside: Beside::default(),

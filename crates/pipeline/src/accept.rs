@@ -165,6 +165,7 @@ pub fn accept(
             )
         })?;
     let mut settings = Settings { beside, ..settings };
+    settings.of_storey = read::query::storey_read(input, &settings);
     let mut report = Report::default();
     let base = understood(
         &read::drawing(input.file(), &input.bytes, &settings, &mut report)?,
@@ -345,6 +346,7 @@ fn side_car(
         pictures: None,
         storey: settings.storey.clone(),
         over_stairs: settings.over_stairs.then_some(true),
+        of_storey: settings.of_storey.clone(),
         query: settings.query.clone(),
         accept_missing_eof: Some(settings.accept_missing_eof),
         ignore_move_markers: Some(true),

@@ -64,6 +64,9 @@ pub(crate) fn state_unused_storey(file: &str, bytes: &[u8], settings: &Settings,
 /// Says what lies beside the drawing, was meant as its settings, and is not read; and which storey was taken for the
 /// settings.
 pub(crate) fn state_unread(input: &Input<'_>, settings: &Settings, report: &mut Report) {
+    if let Some(why) = &settings.tables_left {
+        report.info("storey-tables", Place::file(input.file()), why.clone());
+    }
     if let Some(why) = &settings.storey_taken {
         report.info("storey-of-query", Place::file(input.file()), why.as_str());
     }

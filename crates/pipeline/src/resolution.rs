@@ -8,10 +8,11 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::job::{Event, Input, Outcome, Progress};
+use crate::job::{Event, Input, Job, Outcome, Progress};
 use crate::measure::study::Study;
 use crate::measure::{estimate, spacing};
 use crate::read;
+use crate::storeys::together;
 use crate::understand::understood;
 use crate::understand::understood::Understood;
 use crate::write::show;
@@ -134,6 +135,7 @@ pub fn resolution(
         settings,
         &mut report,
     )?;
+    let floors = together::floors(Job { input, settings }, &base, &mut report)?;
     let series = series(&base, options, input.file())?;
     let samples = sampled(&base.moves.bounds(), options.samples, settings.seed);
     let plan = base.plan.clone();
@@ -148,7 +150,8 @@ pub fn resolution(
         };
         show(Event::Progress(progress));
         let one = Settings { spacing_m: Some(*spacing_m), ..settings.clone() };
-        match Study::new(base.clone(), &one, &mut Report::default()) {
+        let within = (base.clone(), floors.clone());
+        match Study::from_roots(within, &one, None, &mut Report::default()) {
             Ok(study) => rows
                 .push(Row { estimate: estimate::at_spacing(&study, &one), ..row(&study, &samples, cancel)? }),
             Err(Error::Stopped) => return Err(Error::Stopped),

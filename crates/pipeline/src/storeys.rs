@@ -23,9 +23,17 @@ use enfilade_report::{Cancel, Error, OutFile, Report, Severity};
 /// Most storeys of one building that are measured.
 pub const STOREYS_MAX: usize = 64;
 
-/// Codes of what is left out of a storey.
-const OF_ELEMENTS: [&str; 7] =
-    ["ifc-element", "ifc-other-element", "ifc-axis", "ifc-not-cut", "ifc-space", "gltf-mesh", "gltf-not-cut"];
+/// Codes of what is left out of a storey, and of what was not joined to it.
+const OF_ELEMENTS: [&str; 8] = [
+    "stairs-none",
+    "ifc-element",
+    "ifc-other-element",
+    "ifc-axis",
+    "ifc-not-cut",
+    "ifc-space",
+    "gltf-mesh",
+    "gltf-not-cut",
+];
 
 /// Of the storeys found those with walls, each with its folder (`storey-1` is the lowest) and the settings that read it; none
 /// where the settings name one, or there is only one.
@@ -175,8 +183,6 @@ pub(crate) fn analyse(
             continue;
         }
         let floors = shown.floors.as_ref().and_then(|f| f.on(own.storey.as_deref()?));
-        // A storey that is not joined is measured by itself, and its building is not read again for it.
-        let own = &Settings { over_stairs: false, ..own.clone() };
         out.push(
             match analyse_storey(Job { input, settings: own }, (shown.roots, floors), &mut || {}, cancel) {
                 Ok((outcome, study)) => {

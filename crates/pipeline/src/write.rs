@@ -121,7 +121,7 @@ pub(crate) fn write(
     }
     let shown: Vec<&Made> = made.iter().chain(&best).collect();
     let mut files = files::drawings(job, study, (&shown, works), &result)?;
-    files.extend(beside::side_cars(study, settings, &shown)?);
+    files.extend(beside::side_cars(job, study, &shown)?);
     let mut understood = None;
     if settings.pictures {
         files.extend(files::pictures(job, study, &shown)?);

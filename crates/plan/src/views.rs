@@ -298,9 +298,15 @@ fn storeys(
     }
     let is_inside = is_in(&part.extent);
     let walls = || drawn.iter().filter(|(p, walls)| *walls > 0 && is_inside(&p.a) && is_inside(&p.b));
-    let mut own = rastered(walls(), lo, cell);
+    // Nothing at all is drawn from one to the other: wings of a building are joined by glass, doors and paving.
+    let mut own = rastered(drawn.iter().filter(|(p, _)| is_inside(&p.a) && is_inside(&p.b)), lo, cell);
     own.retain(|p| p.is_own(on_sheet.metres_per_unit));
-    let mut boxes: Vec<[DVec2; 2]> = own.iter().map(|p| p.extent).collect();
+    // As wide as their walls, without the cells round these.
+    let tight = |p: &Part| {
+        let is_in = is_in(&p.extent);
+        box_of(walls().flat_map(|(w, _)| [w.a, w.b]).filter(|p| is_in(p)))
+    };
+    let mut boxes: Vec<[DVec2; 2]> = own.iter().filter_map(tight).collect();
     let before = |i: usize, _: usize| 0..i;
     let near = APART_STOREYS_M / on_sheet.metres_per_unit;
     join_all(&mut boxes, before, |a, b| gap(a, b) < near, |joined, gone| *joined = union(joined, &gone));

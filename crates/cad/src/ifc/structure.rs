@@ -130,7 +130,10 @@ pub(super) fn called(b: &Building<'_, '_>, things: &[(usize, Vec<DVec2>)]) -> Ve
     let of = |(record, extent): (usize, [DVec2; 2])| {
         let id = record as u64;
         let said = [Some(id), types.get(&id).copied()].into_iter().flatten();
-        let words: Vec<String> = said.flat_map(|id| said_of(b, id)).collect();
+        let mut words: Vec<String> = said.flat_map(|id| said_of(b, id)).collect();
+        // Whatever a stair is called, or where it has no name.
+        let stair = b.model.products.iter().find(|p| p.id == id && p.class.starts_with("IfcStair"));
+        words.extend(stair.map(|p| p.class.to_owned()));
         let furniture = b.model.products.iter().find(|p| p.id == id && is_furniture(p.class));
         let source = furniture.map(|p| b.source(p, p.class));
         Called { words: words.join(" "), extent, source }

@@ -42,6 +42,8 @@ impl Footprint {
 pub(crate) struct Building {
     pub floors: Vec<Floor>,
     pub stairs: Vec<Footprint>,
+    /// Whether these are all its storeys: of very many the nearest are joined.
+    pub is_whole: bool,
 }
 
 /// Spacing and centre of cells.
@@ -102,10 +104,19 @@ impl Floors {
         Self { building, own, known: Arc::default() }
     }
 
-    /// The same building, another storey of it measured; none of a name that it has not.
+    /// The same building, another storey of it measured; none of a name that it has not, nor where others may be nearer to
+    /// that one.
     pub(crate) fn on(&self, key: &str) -> Option<Self> {
+        if !self.building.is_whole {
+            return None;
+        }
         let own = self.building.floors.iter().position(|f| f.key == key)?;
         Some(Self::new(Arc::clone(&self.building), own))
+    }
+
+    /// Whether it has stairs to other storeys.
+    pub(crate) fn has_stairs(&self) -> bool {
+        self.building.stairs.iter().any(|s| s.storeys.contains(&self.own))
     }
 
     /// The storey above the measured one.
@@ -131,7 +142,7 @@ impl Floors {
         if let Some(known) = self.known.lock().ok().and_then(|known| known.get(&at).cloned()) {
             return known;
         }
-        let Building { floors, stairs } = &*self.building;
+        let Building { floors, stairs, .. } = &*self.building;
         let others = floors.par_iter().enumerate().map(|(i, f)| if i == self.own { None } else { lay(f) });
         let laid: Vec<Option<(Graph, CellIndex)>> = others.collect();
         let stair = |s: &Footprint| {

@@ -80,6 +80,43 @@ impl Asked {
     }
 }
 
+/// The storey that is read, of several, so that what is said of its places is not taken for others.
+pub(crate) fn storey_read(input: &Input<'_>, settings: &Settings) -> Option<String> {
+    let options = read_options(settings);
+    let found = enfilade_cad::storeys(input.file(), &input.bytes, &options);
+    let at = |name: &String| enfilade_cad::storey_at(found.iter().map(|s| s.name.as_str()), name);
+    let own = settings.storey.as_ref().map_or_else(|| enfilade_cad::main_storey(&found, options.cut_m()), at);
+    own.filter(|_| found.len() > 1).map(|own| enfilade_cad::storey_key(&found, own))
+}
+
+/// The settings without what they say of places on another storey than the one that is read.
+fn without_others<'s>(input: &Input<'_>, settings: &'s Settings) -> Cow<'s, Settings> {
+    let same = Cow::Borrowed(settings);
+    let Some(of) = &settings.of_storey else { return same };
+    let options = read_options(settings);
+    let storeys = enfilade_cad::storeys(input.file(), &input.bytes, &options);
+    let at = |name: &String| enfilade_cad::storey_at(storeys.iter().map(|s| s.name.as_str()), name);
+    let ours =
+        settings.storey.as_ref().map_or_else(|| enfilade_cad::main_storey(&storeys, options.cut_m()), at);
+    let (Some(theirs), Some(ours)) = (at(of), ours) else { return same };
+    let mut out = Settings { of_storey: None, ..settings.clone() };
+    if theirs != ours {
+        let key = |i: usize| enfilade_cad::storey_key(&storeys, i);
+        out.tables_left = Some(format!(
+            "the settings beside the drawing are of storey {:?}: their moves, regions, works, pins and points are not used on {:?}",
+            key(theirs),
+            key(ours)
+        ));
+        out.ignore_move_markers = false;
+        (out.moves, out.regions, out.works) = Default::default();
+        (out.pinned, out.pinned_options, out.pin_moves) = Default::default();
+        (out.like, out.warm, out.warm_moves) = Default::default();
+        (out.seed_points, out.reading.rooms) = Default::default();
+        (out.reading.inside, out.reading.outside) = Default::default();
+    }
+    Cow::Owned(out)
+}
+
 /// The settings with the storey on which the space that `--query` names is, where nobody names one and the one with most
 /// walls has no such space.
 ///
@@ -89,6 +126,10 @@ pub(crate) fn on_storey_of_query<'s>(
     input: &Input<'_>,
     settings: &'s Settings,
 ) -> Result<Cow<'s, Settings>, Error> {
+    let settings = match without_others(input, settings) {
+        Cow::Borrowed(same) => same,
+        Cow::Owned(own) => return Ok(Cow::Owned(on_storey_of_query(input, &own)?.into_owned())),
+    };
     let same = Ok(Cow::Borrowed(settings));
     let Some(query) = &settings.query else { return same };
     let asked = Asked::new(query, input.file())?;

@@ -13,9 +13,10 @@ use crate::understand::sensed::Sensed;
 use crate::understand::understood;
 use crate::understand::understood::Understood;
 use crate::write::analysis::over_stairs;
+use enfilade_cad::drawing::Format;
 use enfilade_cad::{Opened, StoreyInfo};
 use enfilade_config::{Partial, Settings};
-use enfilade_engine::geometry::{PointUm, UM_PER_M};
+use enfilade_engine::geometry::PointUm;
 use enfilade_plan::kinds::{RoomKind, ThingKind};
 use enfilade_report::{Error, Place, Report, counted};
 
@@ -24,9 +25,6 @@ pub const TOGETHER_MAX: usize = 12;
 
 /// No stair climbs higher from one storey to the next, metres.
 const RISE_MAX_M: f64 = 6.0;
-
-/// Flights that lie no farther from one another are one stair, metres: two runs and the landing between them.
-const ONE_STAIR_M: f64 = 0.3;
 
 /// The storeys that steps lead to over the stairs of the one that was understood, where the settings ask for them; says what is
 /// joined, or why nothing is.
@@ -45,7 +43,11 @@ pub(crate) fn floors(job: Job<'_>, base: &Understood, report: &mut Report) -> Re
     let list =
         own_of(&found, settings).map(|own| (own, near(&found, own))).filter(|(_, list)| list.len() > 1);
     let Some((own, list)) = list else {
-        let text = "--over-stairs: there is no other storey with walls; steps are counted on this one";
+        let sheet =
+            if base.plan.format == Format::Dxf { " (drawings of one sheet are not joined)" } else { "" };
+        let text = format!(
+            "--over-stairs: there is no other storey with walls{sheet}; steps are counted on this one"
+        );
         report.warn("stairs-none", place, text);
         return Ok(None);
     };
@@ -72,7 +74,8 @@ pub(crate) fn floors(job: Job<'_>, base: &Understood, report: &mut Report) -> Re
         }
     }
     let floors = made.into_iter().map(|m| m.1).collect();
-    Ok(Some(Floors::new(Arc::new(Building { floors, stairs }), own_at)))
+    let is_whole = near(&found, own).len() == walled(&found, own).len();
+    Ok(Some(Floors::new(Arc::new(Building { floors, stairs, is_whole }), own_at)))
 }
 
 type Ring = Vec<PointUm>;
@@ -83,7 +86,7 @@ fn ways_up(base: &Understood, settings: &Settings) -> Result<Vec<Ring>, Error> {
         base.things.iter().filter(|t| t.kind == ThingKind::Stair).map(|t| t.extent).collect();
     if !flights.is_empty() {
         let ring = |[lo, hi]: [PointUm; 2]| vec![lo, [hi[0], lo[1]], hi, [lo[0], hi[1]]];
-        return Ok(stairs_of(flights, base.plan.human_scale).into_iter().map(ring).collect());
+        return Ok(flights_of(flights).into_iter().map(ring).collect());
     }
     let sensed = Sensed::new(base, settings);
     let rooms = rooms_with_kinds(base, &sensed, settings)?;
@@ -119,37 +122,45 @@ fn own_of(found: &[StoreyInfo], settings: &Settings) -> Option<usize> {
 
 /// Says what the stairs of a measured storey join it to.
 pub(crate) fn state(study: &Study, report: &mut Report) {
-    if study.floors.is_none() {
-        return;
-    }
+    let Some(floors) = &study.floors else { return };
     let place = Place::file(&study.base.plan.file);
     match over_stairs(study) {
         Some(over) => {
-            let (stairs, cells) = (counted(over.stairs, "stair"), counted(over.cells, "cell"));
-            let text =
-                format!("steps are counted over {stairs} to {}: {cells} there", over.storeys.join(", "));
-            report.info("stairs", place, text);
+            let (to, cells) = (over.storeys.join(", "), counted(over.cells, "cell"));
+            report.info("stairs", place, format!("steps are counted over the stairs to {to}: {cells} there"));
         }
         None => {
-            let text = "--over-stairs: no stair was found that stands on measured floor here and on the storey above or below; \
-                        steps are counted on this storey";
-            report.warn("stairs-none", place, text);
+            let why = if floors.has_stairs() {
+                "no measured cell lies on the stairs to another storey, here or there (a smaller --spacing has more cells)"
+            } else {
+                "no stair was found on this storey or the one below that leads to another one with rooms, at most 6 m up"
+            };
+            report.warn(
+                "stairs-none",
+                place,
+                format!("--over-stairs: {why}; steps are counted on this storey"),
+            );
         }
     }
 }
 
-/// The walled storeys of the building of `own`, from the lowest: it and the nearest others, at most [`TOGETHER_MAX`].
-fn near(found: &[StoreyInfo], own: usize) -> Vec<usize> {
+/// The walled storeys of the building of `own`, and it, from the lowest.
+fn walled(found: &[StoreyInfo], own: usize) -> Vec<usize> {
     let Some(building) = found.get(own).map(|s| &s.building) else { return Vec::new() };
-    let all: Vec<usize> = (0..found.len())
-        .filter(|i| *i == own || (found[*i].walls > 0 && found[*i].building == *building))
-        .collect();
+    let is_walled = |i: &usize| *i == own || (found[*i].walls > 0 && found[*i].building == *building);
+    (0..found.len()).filter(is_walled).collect()
+}
+
+/// Of [`walled`] it and the nearest others, at most [`TOGETHER_MAX`].
+fn near(found: &[StoreyInfo], own: usize) -> Vec<usize> {
+    let all = walled(found, own);
     let at = all.iter().position(|i| *i == own).unwrap_or(0);
     let last = (at + TOGETHER_MAX.div_ceil(2)).clamp(TOGETHER_MAX.min(all.len()), all.len());
     all[last - TOGETHER_MAX.min(all.len())..last].to_vec()
 }
 
-/// What reads another storey as it is drawn: nothing is asked of it, and nothing moves.
+/// What reads another storey as it is drawn, and as it would be measured itself: nothing is asked of it, and no place on
+/// another storey is one on it.
 fn plain(settings: &Settings, found: &[StoreyInfo], storey: usize) -> Settings {
     let usual = Settings::new(Partial::default()).unwrap_or_else(|_| settings.clone());
     let mut out = Settings {
@@ -157,8 +168,6 @@ fn plain(settings: &Settings, found: &[StoreyInfo], storey: usize) -> Settings {
         over_stairs: false,
         query: None,
         seed_points: Vec::new(),
-        only_marked: true,
-        moves: Vec::new(),
         works: Vec::new(),
         regions: Vec::new(),
         objectives: usual.objectives,
@@ -169,34 +178,30 @@ fn plain(settings: &Settings, found: &[StoreyInfo], storey: usize) -> Settings {
     };
     // Rooms are numbered on the storey that is read.
     out.reading.rooms.clear();
+    (out.reading.inside, out.reading.outside) = Default::default();
     out
 }
 
-/// Boxes of flights that lie beside each other as one each.
-fn stairs_of(mut flights: Vec<[PointUm; 2]>, human_scale: f64) -> Vec<[PointUm; 2]> {
-    let near_um = (ONE_STAIR_M * human_scale * UM_PER_M).round() as i64;
-    let mut at = 0;
-    while at < flights.len() {
-        let [lo, hi] = flights[at];
-        let is_beside = |[l, h]: &[PointUm; 2]| {
-            [0, 1].iter().all(|&k| lo[k] - near_um <= h[k] && l[k] <= hi[k] + near_um)
-        };
-        match (at + 1..flights.len()).find(|k| is_beside(&flights[*k])) {
-            Some(other) => {
-                let [l, h] = flights.swap_remove(other);
-                flights[at] = [[0, 1].map(|k| lo[k].min(l[k])), [0, 1].map(|k| hi[k].max(h[k]))];
-                at = 0;
-            }
-            None => at += 1,
+/// The boxes of flights that hold no other's: a stair that turns has a box that reaches into rooms beside it, its flights
+/// have none.
+fn flights_of(mut boxes: Vec<[PointUm; 2]>) -> Vec<[PointUm; 2]> {
+    let area = |[lo, hi]: &[PointUm; 2]| (hi[0] - lo[0]).saturating_mul(hi[1] - lo[1]);
+    boxes.sort_by_key(|b| (area(b), *b));
+    let mut out: Vec<[PointUm; 2]> = Vec::new();
+    for [lo, hi] in boxes {
+        let holds = |[l, h]: &[PointUm; 2]| (0..2).all(|k| lo[k] <= l[k] && h[k] <= hi[k]);
+        if !out.iter().any(holds) {
+            out.push([lo, hi]);
         }
     }
-    flights.sort_unstable();
-    flights
+    out.sort_unstable();
+    out
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use enfilade_engine::geometry::UM_PER_M;
 
     fn storeys(buildings: &[&str]) -> Vec<StoreyInfo> {
         let of = |(i, b): (usize, &&str)| StoreyInfo {
@@ -224,10 +229,10 @@ mod tests {
     }
 
     #[test]
-    fn flights_side_by_side_are_one_stair() {
+    fn flights_are_taken_and_not_what_holds_them() {
         let m = |x: f64| (x * UM_PER_M) as i64;
         let of = |x0: f64, x1: f64| [[m(x0), 0], [m(x1), m(3.0)]];
-        let found = stairs_of(vec![of(0.0, 1.0), of(9.0, 10.0), of(1.2, 2.2)], 1.0);
-        assert_eq!(found, [of(0.0, 2.2), of(9.0, 10.0)]);
+        let beside = vec![of(0.0, 1.0), of(1.2, 2.2), of(0.0, 2.2), of(9.0, 10.0), of(9.0, 10.0)];
+        assert_eq!(flights_of(beside), [of(0.0, 1.0), of(1.2, 2.2), of(9.0, 10.0)]);
     }
 }

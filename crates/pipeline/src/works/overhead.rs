@@ -16,6 +16,9 @@ use glam::DVec2;
 /// Steps in which a stretch is looked at, metres of a person.
 const STEP_M: f64 = 0.05;
 
+/// Where it is looked at across the wall, from one face to the other.
+const ACROSS: [f64; 3] = [0.1, 0.5, 0.9];
+
 /// A wall that reaches so little over a stretch does not stand on it, metres of a person.
 const LEAST_M: f64 = 0.1;
 
@@ -42,12 +45,15 @@ impl Overhead {
         let scale = base.plan.human_scale;
         let (mut length_m, mut over) = (0.0, vec![0.0; self.walls.len()]);
         for o in outlines {
-            let ends = [o[0].midpoint(o[3]), o[1].midpoint(o[2])].map(|p| self.here(base, p));
-            let length = ends[0].distance(ends[1]);
+            // A thinner wall may stand over one face alone.
+            let lines = ACROSS
+                .map(|across| [(o[0], o[3]), (o[1], o[2])].map(|(a, b)| self.here(base, a.lerp(b, across))));
+            let length = lines[0][0].distance(lines[0][1]);
             let steps = (length / (STEP_M * scale)).ceil().max(1.0);
             for i in 0..steps as usize {
-                let at = ends[0].lerp(ends[1], (i as f64 + 0.5) / steps);
-                let here: Vec<usize> = (0..self.walls.len()).filter(|w| self.stands(*w, at, scale)).collect();
+                let at = lines.map(|[a, b]| a.lerp(b, (i as f64 + 0.5) / steps));
+                let is_over = |w: &usize| at.iter().any(|p| self.stands(*w, *p, scale));
+                let here: Vec<usize> = (0..self.walls.len()).filter(is_over).collect();
                 length_m += if here.is_empty() { 0.0 } else { length / steps };
                 here.into_iter().for_each(|w| over[w] += length / steps);
             }

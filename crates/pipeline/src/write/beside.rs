@@ -4,10 +4,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::accept::unit_words;
+use crate::job::Job;
 use crate::measure::study::Study;
+use crate::read::query::storey_read;
 use crate::write::made::Made;
 use crate::write::show::lattice_centre;
-use enfilade_config::{Partial, RegionTable, SETTINGS_VERSION, Settings};
+use enfilade_config::{Partial, RegionTable, SETTINGS_VERSION};
 use enfilade_engine::Lattice;
 use enfilade_report::{Error, OutFile, Place};
 
@@ -18,7 +20,12 @@ type Corner = [i32; 2];
 ///
 /// # Errors
 /// Where a table cannot be written, which no reading can lead to.
-pub(crate) fn side_cars(study: &Study, settings: &Settings, made: &[&Made]) -> Result<Vec<OutFile>, Error> {
+pub(crate) fn side_cars(
+    Job { input, settings }: Job<'_>,
+    study: &Study,
+    made: &[&Made],
+) -> Result<Vec<OutFile>, Error> {
+    let of_storey = storey_read(input, settings);
     let [moved, built] = [false, true].map(|is_built| floors(study, is_built));
     let side_car = |m: &&Made| {
         let regions = if m.built.is_some() { &built } else { &moved };
@@ -35,6 +42,7 @@ pub(crate) fn side_cars(study: &Study, settings: &Settings, made: &[&Made]) -> R
             lattice_centre: Some(lattice_centre(study)),
             storey: settings.storey.clone(),
             over_stairs: settings.over_stairs.then_some(true),
+            of_storey: of_storey.clone(),
             query: settings.query.clone(),
             accept_missing_eof: Some(settings.accept_missing_eof),
             reading: settings.reading.clone(),

@@ -180,6 +180,9 @@ impl Thing {
 /// What is longer than this is no thing that stands in a room, metres of a person.
 const LONGEST_M: f64 = 6.5;
 
+/// A flight of stairs is no longer than this, metres of a person: 18 risers, with a landing.
+const LONGEST_FLIGHT_M: f64 = 9.0;
+
 /// What is shorter than this tells nothing, metres of a person: a symbol on a sheet.
 const SHORTEST_M: f64 = 0.15;
 
@@ -313,7 +316,8 @@ fn joined(mut pieces: Vec<[DVec2; 2]>, near: f64) -> Vec<[DVec2; 2]> {
 
 fn thing(plan: &Plan, &Found { kind, extent, .. }: &Found) -> Option<Thing> {
     let longer_m = (extent[1] - extent[0]).max_element() * plan.frame.metres_per_unit / plan.human_scale;
-    let is_thing = (SHORTEST_M..=LONGEST_M).contains(&longer_m);
+    let longest_m = if kind == ThingKind::Stair { LONGEST_FLIGHT_M } else { LONGEST_M };
+    let is_thing = (SHORTEST_M..=longest_m).contains(&longer_m);
     is_thing.then_some(Thing { kind, extent: extent.map(|p| plan.frame.um_from_file(p)) })
 }
 

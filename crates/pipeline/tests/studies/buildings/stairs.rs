@@ -1,7 +1,8 @@
 //! Storeys over one another: steps over stairs, told, the same from either side, repeated by `analyse`; and what stands
 //! above wall that works take away.
 
-use enfilade_config::{Partial, Settings};
+use enfilade_config::{Beside, Partial, Settings};
+use enfilade_pipeline::accept::{Chosen, Origin, accept};
 use enfilade_pipeline::{Input, Study, analyse};
 use enfilade_report::{Cancel, Report};
 
@@ -80,11 +81,14 @@ fn what_stairs_join_is_told() {
     };
     let joined = told(&house(true, true));
     assert!(
-        matches!(joined.as_slice(), [("stairs", text)] if text.contains("1 stair to Upper floor")),
+        matches!(joined.as_slice(), [("stairs", text)] if text.contains("over the stairs to Upper floor")),
         "{joined:?}"
     );
     let apart = told(&house(false, true));
-    assert!(matches!(apart.as_slice(), [("stairs-none", text)] if text.contains("no stair")), "{apart:?}");
+    assert!(
+        matches!(apart.as_slice(), [("stairs-none", text)] if text.contains("no stair was found")),
+        "{apart:?}"
+    );
     // Nothing changes where there is none.
     let [alone, over] =
         [false, true].map(|over| measured(&house(false, true), &settings("Ground floor", over)).0);
@@ -115,6 +119,34 @@ fn an_option_is_measured_over_the_stairs_again() {
     let alone = Settings { over_stairs: false, ..again };
     let (alone, _) = analyse(&input, &alone, &Cancel::default()).unwrap();
     assert!(alone.result.mean.get("depth") < outcome.result.mean.get("depth"));
+}
+
+/// What is accepted on one storey holds nothing on the next: its moves are that storey's own.
+#[test]
+fn the_next_storey_has_its_own_round() {
+    let text = house(true, true);
+    let own = Settings { evaluations: Some(60), members: 2, ..settings("Ground floor", true) };
+    let input = Input::new("house.ifc", text.as_bytes(), 1);
+    let started = std::time::Instant::now();
+    let round = enfilade_pipeline::run(&input, &own, started, &mut |_| {}, &Cancel::default()).unwrap();
+    let origin = Origin { round: 1, is_so_far: false };
+    let taken = accept(&input, Beside::default(), &round.result, origin, Chosen::Option(1)).unwrap();
+    let side_car = taken.side_car;
+    assert!(side_car.contains("of-storey = \"Ground floor\""), "{side_car}");
+    let moves = |storey: Option<&str>| {
+        let asked = Partial { storey: storey.map(Into::into), ..Partial::default() };
+        let partial = asked.over(Partial::from_toml("", &side_car).unwrap());
+        let settings = Settings::new(partial).unwrap();
+        let input = Input::new("house-r02.ifc", &taken.drawing, 2);
+        let done = enfilade_pipeline::check(&input, &settings).unwrap();
+        let told = done.report.problems.iter().any(|p| p.code == "storey-tables");
+        let mut names: Vec<String> = done.result.moves.into_iter().map(|m| m.name).collect();
+        names.dedup();
+        (names, told)
+    };
+    assert_eq!(moves(Some("2")), (vec!["screen-5".to_owned()], true));
+    let ground = moves(Some("1"));
+    assert!(ground.0.contains(&"screen-1".to_owned()) && !ground.1, "{ground:?}");
 }
 
 /// An opening below a wall of the upper floor names it, and over how much of the opening it stands.
