@@ -78,6 +78,9 @@ impl Laid {
     }
 }
 
+/// What lays out the other storeys, where steps are counted over the stairs: only for cells that there are.
+pub(crate) type Over<'a> = &'a (dyn Fn() -> Option<Arc<Laid>> + Sync);
+
 /// The storeys that stairs lead to from one, over others too; where it is left itself is asked of its own cells.
 fn joined(stairs: &[Stair], own: usize) -> Vec<usize> {
     let stands = |s: &&Stair| (0..2).all(|k| s.storeys[k] == own || !s.vertices[k].is_empty());

@@ -2,7 +2,7 @@
 //!
 //! Which cell centres happen to be free decides nothing where a value is the mean over shifted lattices.
 
-use crate::measure::floors::Laid;
+use crate::measure::floors::Over;
 use crate::measure::seen::{Scene, Seen, Use};
 use crate::understand::understood::Understood;
 use enfilade_config::{Measure, PairName, Settings, Source};
@@ -58,7 +58,7 @@ impl Look {
         base: &Understood,
         identity: &Layout,
         settings: &Settings,
-        (use_for, over, unit_m): (Use, Option<&Laid>, f64),
+        (use_for, over, unit_m): (Use, Over<'_>, f64),
         report: &mut Report,
     ) -> Result<Self, Error> {
         let main = Scene::new(ground, base, identity, asked(settings, None), (use_for, over), report)?;
@@ -105,7 +105,7 @@ pub(crate) fn pairs(
     ground: &Ground<'_>,
     identity: &Layout,
     settings: &Settings,
-    (use_for, over): (Use, Option<&Laid>),
+    (use_for, over): (Use, Over<'_>),
     report: &mut Report,
 ) -> Result<Vec<Pair>, Error> {
     let markers = &base.plan.markers;

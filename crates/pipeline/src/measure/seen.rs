@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::measure::floors::Laid;
+use crate::measure::floors::Over;
 use crate::measure::parts::blind;
 use crate::understand::understood::Understood;
 use enfilade_config::{Measure, Source};
@@ -117,13 +117,13 @@ impl Scene {
         base: &Understood,
         identity: &Layout,
         asked: Vec<Measure>,
-        (use_for, over): (Use, Option<&Laid>),
+        (use_for, over): (Use, Over<'_>),
         report: &mut Report,
     ) -> Result<Self, Error> {
         let mut lattice = lattice(ground, report)?;
         refuse_dense(&lattice, ground)?;
         let cells = CellIndex::new(&lattice);
-        lattice.beyond = over.and_then(|laid| laid.beyond(&cells)).map(Arc::new);
+        lattice.beyond = over().and_then(|laid| laid.beyond(&cells)).map(Arc::new);
         let lattice = Arc::new(lattice);
         let segments = ground.movable.to_vec();
         let moving = Obstacles { blind: blind(base, identity, &cells, &segments), segments };

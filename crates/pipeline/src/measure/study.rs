@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::measure::floors::{Floor, Floors};
+use crate::measure::floors::{Floor, Floors, Over};
 use crate::measure::look::{Bench, Look, SeenOn, state_asked};
 use crate::measure::parts::{blind, fixed_parts, moving_segments, stopping};
 use crate::measure::seen::Scene;
@@ -161,8 +161,9 @@ impl Study {
         let look = |at: &LatticeAt| {
             let mut own = Report::default();
             let ground = ground(at);
-            let over = floors.as_ref().map(|f| f.laid((ground.spacing_um, ground.centre_um), Self::lay(*at)));
-            let use_for = (use_for, over.as_deref(), unit_m);
+            let cells = (ground.spacing_um, ground.centre_um);
+            let over = || floors.as_ref().map(|f| f.laid(cells, Self::lay(*at)));
+            let use_for = (use_for, &over as Over<'_>, unit_m);
             let look = Look::new(&ground, &base, &identity, settings, use_for, &mut own);
             look.map(|look| (look, own))
         };
