@@ -78,8 +78,7 @@ impl Eyes {
 
     /// Ends the watches of the armed folders that are `stale`.
     fn disarm(&mut self, stale: impl Fn(&Path, &Identity) -> bool) {
-        // The lock is let go of first: the system's thread may want it for an event, and only when that is told does it
-        // answer an unwatch.
+        // The lock is let go of first: the system's thread may want it for an event, and answers an unwatch only after that.
         let mut gone = Vec::new();
         self.armed.lock().unwrap_or_else(PoisonError::into_inner).retain(|path, identity| {
             let is_stale = stale(path, identity);

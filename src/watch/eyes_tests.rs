@@ -129,7 +129,7 @@ fn arming_and_events_do_not_wait_for_each_other() {
             Err(mpsc::TryRecvError::Empty) => {}
             Err(mpsc::TryRecvError::Disconnected) => panic!("the arming thread died"),
         }
-        // A folder that is watched is told of without end.
+        // Or they pile up.
         events.try_iter().for_each(drop);
     };
     fs::write(root.join("b.dxf"), b"b").unwrap();

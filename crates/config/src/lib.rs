@@ -691,6 +691,18 @@ impl Settings {
         (!self.brief.is_empty()).then(|| BriefText::Text(self.brief.join("; ")))
     }
 
+    /// Without all that is said of places on one storey: moves, regions, works, pins, points, numbers of rooms.
+    #[must_use]
+    pub fn without_places(mut self) -> Self {
+        self.ignore_move_markers = false;
+        (self.moves, self.regions, self.works) = Default::default();
+        (self.pinned, self.pinned_options, self.pin_moves) = Default::default();
+        (self.like, self.warm, self.warm_moves) = Default::default();
+        (self.seed_points, self.reading.rooms) = Default::default();
+        (self.reading.inside, self.reading.outside) = Default::default();
+        self
+    }
+
     /// Whether `score` takes the place of the objectives and the separate penalty.
     pub fn is_by_score(&self) -> bool {
         self.objectives.iter().any(|o| o.measure.measure == Measure::Score)

@@ -9,7 +9,6 @@ use super::graph::Graph;
 use super::lanes::LANES;
 use super::lanes::Path;
 use super::relays::Relays;
-use super::stairs::steps_from;
 use super::stars;
 use super::wave::Wave;
 use super::{Lattice, Tally};
@@ -30,8 +29,7 @@ pub(super) fn level_counts_beyond(
 ) -> Vec<Vec<u32>> {
     let mut trees = level_counts(graph, roots, max_level);
     if let Some(beyond) = &lattice.beyond {
-        let steps: Vec<Vec<u32>> = beyond.stairs.iter().map(|s| steps_from(graph, s)).collect();
-        beyond.add_to(&steps, roots.iter().copied().zip(&mut trees), max_level);
+        beyond.add_to(&beyond.steps(graph), roots.iter().copied().zip(&mut trees), max_level);
     }
     trees
 }

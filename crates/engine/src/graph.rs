@@ -1,5 +1,7 @@
 //! Who sees whom: one row a vertex, each row a sorted list of (tile, mask of 64 cells).
 
+use std::collections::VecDeque;
+
 use super::tiles::Tiles;
 
 /// A visibility graph. Undirected, no loops; memory grows with what is visible.
@@ -74,6 +76,23 @@ impl Graph {
     pub fn for_each_neighbour(&self, v: u32, mut visit: impl FnMut(u32)) {
         let rank = self.tiles.rank_of[v as usize] as usize;
         self.for_each_rank(rank, |r| visit(self.tiles.vertex_of[r]));
+    }
+
+    /// Steps of sight from the nearest of some vertices, which are none, to every vertex; `u32::MAX` where no way leads.
+    pub fn steps_from(&self, first: &[u32]) -> Vec<u32> {
+        let mut steps = vec![u32::MAX; self.len()];
+        let mut queue: VecDeque<u32> = first.iter().copied().collect();
+        first.iter().for_each(|v| steps[*v as usize] = 0);
+        while let Some(v) = queue.pop_front() {
+            let next = steps[v as usize] + 1;
+            self.for_each_neighbour(v, |to| {
+                if steps[to as usize] == u32::MAX {
+                    steps[to as usize] = next;
+                    queue.push_back(to);
+                }
+            });
+        }
+        steps
     }
 
     /// Whether `u` and `v` see each other; a vertex does not see itself.

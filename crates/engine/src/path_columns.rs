@@ -62,14 +62,14 @@ impl Paths<'_> {
     /// Visual, metric (metres) and angular depth of every vertex from the nearest of some vertices;
     /// [`UNDEFINED`] where there is no way.
     pub fn step_columns(&self, from: &[u32]) -> Vec<Column> {
-        let ranks: Vec<u32> = from.iter().map(|&v| self.graph.tiles.rank_of[v as usize]).collect();
         let mut walk = Walk::new(self.graph);
         let column = |name: &str, of_vertex: &dyn Fn(usize) -> f64| {
             let values = (0..self.graph.len()).map(of_vertex).collect();
             Column { name: name.to_string(), values }
         };
-        let levels = self.levels(&ranks);
-        let mut columns = vec![column(VISUAL_STEP_DEPTH, &|v| levels[self.graph.tiles.rank_of[v] as usize])];
+        let steps = self.graph.steps_from(from);
+        let seen = |v: usize| if steps[v] == u32::MAX { UNDEFINED } else { f64::from(steps[v]) };
+        let mut columns = vec![column(VISUAL_STEP_DEPTH, &seen)];
         let roots: Vec<u32> = from.iter().map(|&v| self.slot_of_vertex[v as usize]).collect();
         walk.metric(self, None, &roots, f64::INFINITY);
         let defined = |walk: &Walk, v: usize, value: &dyn Fn(u32, f64) -> f64| {
@@ -84,22 +84,6 @@ impl Paths<'_> {
         walk.angular(self, None, &roots, f64::INFINITY);
         columns.push(column(ANGULAR_STEP_DEPTH, &|v| defined(&walk, v, &|_, cost| cost)));
         columns
-    }
-
-    fn levels(&self, roots: &[u32]) -> Vec<f64> {
-        let mut level = vec![UNDEFINED; self.graph.len()];
-        let mut queue: std::collections::VecDeque<u32> = roots.iter().copied().collect();
-        roots.iter().for_each(|&r| level[r as usize] = 0.0);
-        while let Some(at) = queue.pop_front() {
-            let next = level[at as usize] + 1.0;
-            self.graph.for_each_rank(at as usize, |to| {
-                if level[to] == UNDEFINED {
-                    level[to] = next;
-                    queue.push_back(to as u32);
-                }
-            });
-        }
-        level
     }
 
     fn all<const K: usize>(

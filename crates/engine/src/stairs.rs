@@ -98,24 +98,16 @@ fn walk(
     steps
 }
 
-/// Steps from some vertices, which count as none, to every vertex of a graph. Who sees nobody is on no stair.
-pub(super) fn steps_from(graph: &Graph, first: &[u32]) -> Vec<u32> {
-    let mut steps = vec![NEVER; graph.len()];
-    let mut queue: VecDeque<u32> = first.iter().copied().filter(|v| graph.degree(*v) > 0).collect();
-    queue.iter().for_each(|v| steps[*v as usize] = 0);
-    while let Some(v) = queue.pop_front() {
-        let next = steps[v as usize] + 1;
-        graph.for_each_neighbour(v, |to| {
-            if steps[to as usize] == NEVER {
-                steps[to as usize] = next;
-                queue.push_back(to);
-            }
-        });
-    }
-    steps
-}
-
 impl Beyond {
+    /// Steps from each stair to every vertex of the measured storey. Who sees nobody stands on none.
+    pub(super) fn steps(&self, graph: &Graph) -> Vec<Vec<u32>> {
+        let from = |stair: &Vec<u32>| {
+            let seeing: Vec<u32> = stair.iter().copied().filter(|v| graph.degree(*v) > 0).collect();
+            graph.steps_from(&seeing)
+        };
+        self.stairs.iter().map(from).collect()
+    }
+
     /// How many vertices there are.
     pub fn vertices(&self) -> u64 {
         self.far.iter().map(|(_, count)| u64::from(*count)).sum()
@@ -161,7 +153,7 @@ impl Beyond {
         out
     }
 
-    /// [`add_to`](Self::add_to) for every tree of a tally; who has none keeps none, unless a stair is at hand.
+    /// [`add_to`](Self::add_to) for every tree of a tally; who sees nobody keeps none.
     pub(super) fn add_to_tally(&self, steps: &[Vec<u32>], query: &[u32], tally: &mut Tally) {
         let mut at = 0;
         let mut trees: Vec<Vec<u32>> = Vec::with_capacity(query.len());
@@ -185,15 +177,9 @@ mod tests {
     /// Levels of a root of the first storey in one graph of all: by a queue over pairs, ways between two vertices of
     /// the first storey by sight alone.
     fn by_queue(graphs: &[&Graph], stairs: &[Stair], root: u32) -> Vec<u32> {
-        let own = steps_from(graphs[0], &[root]);
+        let own = graphs[0].steps_from(&[root]);
         let mut steps: Vec<Vec<u32>> = graphs.iter().map(|g| vec![NEVER; g.len()]).collect();
-        for (storey, graph) in graphs.iter().enumerate() {
-            assert_eq!(steps[storey].len(), graph.len());
-        }
         steps[0] = own;
-        if graphs[0].degree(root) == 0 {
-            steps[0][root as usize] = 0;
-        }
         loop {
             let mut is_new = false;
             let mut relax = |steps: &mut Vec<Vec<u32>>, s: usize, v: u32, step: u32| {

@@ -165,7 +165,7 @@ pub fn accept(
             )
         })?;
     let mut settings = Settings { beside, ..settings };
-    settings.of_storey = read::query::storey_read(input, &settings);
+    settings.of_storey = read::storey::key_read(input, &settings);
     let mut report = Report::default();
     let base = understood(
         &read::drawing(input.file(), &input.bytes, &settings, &mut report)?,

@@ -49,7 +49,7 @@ pub fn analyse_with(
     understood: &mut (dyn FnMut() + Send),
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
-    let settings = &*read::query::on_storey_of_query(input, settings)?;
+    let settings = &*read::query::for_its_storey(input, settings)?;
     let job = Job { input, settings };
     let (mut outcome, study) = analyse_storey(job, (roots, None), understood, cancel)?;
     if intervals && roots.is_none() {
@@ -105,6 +105,6 @@ pub fn measure(
     understood: &mut (dyn FnMut() + Send),
     cancel: &Cancel,
 ) -> Result<(Study, Report), Error> {
-    let settings = &*read::query::on_storey_of_query(input, settings)?;
+    let settings = &*read::query::for_its_storey(input, settings)?;
     measure_storey(Job { input, settings }, (roots, None), understood, cancel)
 }

@@ -29,7 +29,7 @@ pub fn brief_of(
     has_picture: bool,
     cancel: &Cancel,
 ) -> Result<Outcome<BriefResult>, Error> {
-    let settings = &*read::query::on_storey_of_query(input, settings)?;
+    let settings = &*read::query::for_its_storey(input, settings)?;
     let mut report = Report::default();
     state_unread(input, settings, &mut report);
     let drawing = read::drawing(input.file(), &input.bytes, settings, &mut report)?;

@@ -37,7 +37,7 @@ pub fn check_with(
     settings: &Settings,
     extras: Extras,
 ) -> Result<Outcome<CheckResult>, Error> {
-    let settings = &*read::query::on_storey_of_query(input, settings)?;
+    let settings = &*read::query::for_its_storey(input, settings)?;
     let mut report = Report::default();
     state_unread(input, settings, &mut report);
     let opened = Opened::new(input.file(), &input.bytes)?;

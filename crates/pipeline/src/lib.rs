@@ -92,7 +92,7 @@ pub fn run(
 ) -> Result<Outcome<RoundResult>, Error> {
     let mut watch = Watch { show, cancel };
     watch.stage("read", None);
-    let settings = &*read::query::on_storey_of_query(input, settings)?;
+    let settings = &*read::query::for_its_storey(input, settings)?;
     let job = Job { input, settings };
     let mut understood = || watch.stage("measure", None);
     let (mut analysis, study) = storey::analyse_storey(job, (None, None), &mut understood, cancel)?;

@@ -50,8 +50,8 @@ fn state_cut_off(study: &Study, input: &Input<'_>, report: &mut Report) {
     }
 }
 
-/// A study of what is understood, within its building where steps are counted over the stairs, on the graphics card where the settings ask for it; with trees of about `roots` roots
-/// alone, where that many are named.
+/// A study of what is understood, within its building where steps are counted over the stairs, on the graphics card where
+/// the settings ask for it; with trees of about `roots` roots alone, where that many are named.
 ///
 /// # Errors
 /// As [`Study::from_roots`].

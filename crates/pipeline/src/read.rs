@@ -1,6 +1,7 @@
 //! The first stage, from bytes to a drawing.
 
 pub(crate) mod query;
+pub(crate) mod storey;
 pub(crate) mod works;
 
 use crate::job::Input;

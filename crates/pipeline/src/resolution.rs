@@ -127,7 +127,7 @@ pub fn resolution(
     show: &mut (dyn FnMut(Event) + Send),
     cancel: &Cancel,
 ) -> Result<Outcome<ResolutionResult>, Error> {
-    let settings = &*crate::read::query::on_storey_of_query(input, settings)?;
+    let settings = &*crate::read::query::for_its_storey(input, settings)?;
     let mut report = Report::default();
     crate::read::state_unread(input, settings, &mut report);
     let base = understood(

@@ -42,7 +42,10 @@ fn others(found: &[StoreyInfo], settings: &Settings) -> Vec<(StoreyInfo, String,
         return Vec::new();
     }
     let of = |(i, s): (usize, &StoreyInfo)| {
-        let mut own = Settings { storey: Some(enfilade_cad::storey_key(found, i)), ..settings.clone() };
+        let settings = settings.clone();
+        // Whose places are known are not of all.
+        let settings = if settings.of_storey.is_some() { settings.without_places() } else { settings };
+        let mut own = Settings { storey: Some(enfilade_cad::storey_key(found, i)), ..settings };
         // Rooms are numbered on the storey that is read.
         own.reading.rooms.clear();
         (s.clone(), folder_of(i), own)
@@ -183,20 +186,19 @@ pub(crate) fn analyse(
             continue;
         }
         let floors = shown.floors.as_ref().and_then(|f| f.on(own.storey.as_deref()?));
-        out.push(
-            match analyse_storey(Job { input, settings: own }, (shown.roots, floors), &mut || {}, cancel) {
-                Ok((outcome, study)) => {
-                    let inside =
-                        |f: OutFile| OutFile { path: format!("{folder}/{}", f.path.display()).into(), ..f };
-                    files.extend(outcome.files.into_iter().map(inside));
-                    let problems = of_elements(storey, &outcome.report, report);
-                    let means = show::mean_numbers(&study, &study.initial);
-                    StoreyEntry { problems, ..entry(storey, &study.base, folder, means) }
-                }
-                Err(error @ Error::Stopped) => return Err(error),
-                Err(error) => failed(storey, &error),
-            },
-        );
+        let job = Job { input, settings: own };
+        out.push(match analyse_storey(job, (shown.roots, floors), &mut || {}, cancel) {
+            Ok((outcome, study)) => {
+                let inside =
+                    |f: OutFile| OutFile { path: format!("{folder}/{}", f.path.display()).into(), ..f };
+                files.extend(outcome.files.into_iter().map(inside));
+                let problems = of_elements(storey, &outcome.report, report);
+                let means = show::mean_numbers(&study, &study.initial);
+                StoreyEntry { problems, ..entry(storey, &study.base, folder, means) }
+            }
+            Err(error @ Error::Stopped) => return Err(error),
+            Err(error) => failed(storey, &error),
+        });
     }
     Ok(out)
 }

@@ -8,11 +8,12 @@ use super::parallels::Piece;
 /// Storeys drawn side by side stand at least so far apart, metres: more than a passage is wide.
 pub const APART_STOREYS_M: f64 = 1.2;
 
-/// One is as large as the other, and as the largest of all, to this share, by its box.
+/// Each has this share of the largest drawing, by its box: no storey is a small part of another.
 const LIKE_SHARE: f64 = 0.6;
 
 /// So many of the corners of the one with fewer stand where corners of the other do, once they are laid over one another.
-/// Of the storeys of one building a third and more, of two buildings next to none.
+/// Of the two nearest storeys of the one real sheet of this kind at hand 28 of 64 do; of 64 other drawings none has two parts
+/// that are as large and clear of each other.
 const SHARED_MIN: f64 = 0.25;
 /// … and at least so many: a rectangle has four on either face.
 const CORNERS_MIN: usize = 12;
@@ -32,10 +33,9 @@ pub fn has_storeys(boxes: &[[DVec2; 2]], pieces: &[&Piece], metres_per_unit: f64
     let slip = SLIP_M / metres_per_unit;
     let own = |extent: &[DVec2; 2]| corners(pieces.iter().copied(), extent, slip);
     large.iter().enumerate().any(|(i, a)| {
-        large[i + 1..].iter().any(|b| {
-            let is_like = area(a).min(area(b)) >= LIKE_SHARE * area(a).max(area(b));
-            is_like && gap(a, b) * metres_per_unit >= APART_STOREYS_M && are_shared(&own(a), &own(b), slip)
-        })
+        large[i + 1..]
+            .iter()
+            .any(|b| gap(a, b) * metres_per_unit >= APART_STOREYS_M && are_shared(&own(a), &own(b), slip))
     })
 }
 

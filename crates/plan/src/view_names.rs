@@ -57,47 +57,25 @@ const PHRASES: &[(Title, &[&str])] = &[
         &[
             "section",
             "sections",
-            "elevation",
-            "elevations",
             "detail",
             "details",
-            "facade",
             "perspective",
             "schnitt",
-            "ansicht",
-            "ansichten",
             "detailschnitt",
             "coupe",
-            "élévation",
-            "façade",
             "sección",
             "seccion",
-            "alzado",
-            "alzados",
             "corte",
-            "fachada",
             "sezione",
-            "prospetto",
-            "prospetti",
-            "alçado",
             "alcado",
             "doorsnede",
-            "gevel",
             "snitt",
-            "fasad",
-            "fasade",
-            "facade",
             "leikkaus",
-            "julkisivu",
             "przekrój",
-            "elewacja",
             "řez",
             "pohled",
             "kesit",
-            "görünüş",
             "разрез",
-            "фасад",
-            "立面",
             "断面",
             "剖面",
             "詳細",
@@ -322,7 +300,7 @@ fn is_section(words: &[&str]) -> bool {
     words.iter().any(is_compound) || cuts || sides
 }
 
-/// Words of layers on which elevations are drawn. Those of sections are names of what is cut, in plans too.
+/// Words of elevations, of their titles and of layers they are drawn on. Those of sections are names of layers in plans too.
 const ELEVATIONS: &[&str] = &[
     "elevation",
     "elevations",
@@ -346,9 +324,9 @@ const ELEVATIONS: &[&str] = &[
     "фасад",
 ];
 
-/// Whether a layer is named after elevations.
-pub fn is_of_elevations(layer: &str) -> bool {
-    let lower = layer.to_lowercase();
+/// Whether a layer is named after elevations, or a title calls one.
+pub fn is_of_elevations(name: &str) -> bool {
+    let lower = name.to_lowercase();
     lower.split(|c: char| !c.is_alphanumeric()).any(|w| ELEVATIONS.contains(&w)) || lower.contains("立面")
 }
 
@@ -371,7 +349,7 @@ pub fn title_of(text: &str) -> Option<Title> {
     if list.first().is_some_and(|w| POINTERS.contains(w)) || list.iter().any(|w| BUILT.contains(w)) {
         return None;
     }
-    if is_section(&list) {
+    if is_section(&list) || is_of_elevations(&lower) {
         return Some(Title::NoPlan);
     }
     // Kilograms.

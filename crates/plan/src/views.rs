@@ -268,49 +268,48 @@ fn parts(
     let drawn = pieces(walls.iter().copied()).into_iter().map(|p| (p, 1));
     let others = pieces(seen.iter().copied()).into_iter().filter(|p| p.length() < frame).map(|p| (p, 0));
     let drawn: Vec<(Piece, usize)> = drawn.chain(others).collect();
-    let parts = rastered(drawn.iter(), lo, cell);
-    let parts: Vec<Part> =
-        parts.into_iter().flat_map(|part| storeys(on_sheet, &drawn, (lo, cell / NEARER), part)).collect();
-    let is_noted: Vec<bool> = parts.iter().map(|p| on_sheet.says_no_plan_by(&p.extent)).collect();
-    if !is_noted.contains(&true) {
-        return parts;
-    }
     let places = ByPlace::new(drawn.iter().map(|(p, _)| [p.a.min(p.b), p.a.max(p.b)]).collect());
-    let nearer = |part: &Part| {
+    let inside = |part: &Part| -> Vec<&(Piece, usize)> {
         let is_in = is_in(&part.extent);
         let inside = places.touching(&part.extent).into_iter().map(|i| &drawn[i]);
-        rastered(inside.filter(|(p, _)| is_in(&p.a) && is_in(&p.b)), lo, cell / NEARER)
+        inside.filter(|(p, _)| is_in(&p.a) && is_in(&p.b)).collect()
     };
-    let one = |(part, is_noted)| if is_noted { parted(on_sheet, nearer(&part), part) } else { vec![part] };
-    parts.into_iter().zip(is_noted).flat_map(one).collect()
+    let nearer = |inside: &[&(Piece, usize)]| rastered(inside.iter().copied(), lo, cell / NEARER);
+    let one = |part: Part| {
+        if on_sheet.says_no_plan_by(&part.extent) {
+            parted(on_sheet, nearer(&inside(&part)), part)
+        } else {
+            vec![part]
+        }
+    };
+    let parts = rastered(drawn.iter(), lo, cell).into_iter();
+    parts.flat_map(|part| storeys(on_sheet, &inside(&part), &nearer, part)).flat_map(one).collect()
 }
 
 /// A part in which storeys of one building stand side by side as one part each, with what stands nearest to it; any other as
-/// it is. `raster`: where smaller cells begin, and their side.
+/// it is. `drawn`: the pieces in it, with those of walls counted; `nearer`: these in smaller cells.
 fn storeys(
     on_sheet: &OnSheet<'_>,
-    drawn: &[(Piece, usize)],
-    (lo, cell): (DVec2, f64),
+    drawn: &[&(Piece, usize)],
+    nearer: &dyn Fn(&[&(Piece, usize)]) -> Vec<Part>,
     part: Part,
 ) -> Vec<Part> {
     if part.wall_pieces < 2 * OWN_PIECES {
         return vec![part];
     }
-    let is_inside = is_in(&part.extent);
-    let walls = || drawn.iter().filter(|(p, walls)| *walls > 0 && is_inside(&p.a) && is_inside(&p.b));
     // Nothing at all is drawn from one to the other: wings of a building are joined by glass, doors and paving.
-    let mut own = rastered(drawn.iter().filter(|(p, _)| is_inside(&p.a) && is_inside(&p.b)), lo, cell);
+    let mut own = nearer(drawn);
+    let pieces: Vec<&Piece> = drawn.iter().filter(|(_, walls)| *walls > 0).map(|(p, _)| p).collect();
     own.retain(|p| p.is_own(on_sheet.metres_per_unit));
     // As wide as their walls, without the cells round these.
     let tight = |p: &Part| {
         let is_in = is_in(&p.extent);
-        box_of(walls().flat_map(|(w, _)| [w.a, w.b]).filter(|p| is_in(p)))
+        box_of(pieces.iter().flat_map(|w| [w.a, w.b]).filter(|p| is_in(p)))
     };
     let mut boxes: Vec<[DVec2; 2]> = own.iter().filter_map(tight).collect();
     let before = |i: usize, _: usize| 0..i;
     let near = APART_STOREYS_M / on_sheet.metres_per_unit;
     join_all(&mut boxes, before, |a, b| gap(a, b) < near, |joined, gone| *joined = union(joined, &gone));
-    let pieces: Vec<&Piece> = walls().map(|(p, _)| p).collect();
     if boxes.len() < 2 || !has_storeys(&boxes, &pieces, on_sheet.metres_per_unit) {
         return vec![part];
     }

@@ -131,11 +131,10 @@ pub(super) fn called(b: &Building<'_, '_>, things: &[(usize, Vec<DVec2>)]) -> Ve
         let id = record as u64;
         let said = [Some(id), types.get(&id).copied()].into_iter().flatten();
         let mut words: Vec<String> = said.flat_map(|id| said_of(b, id)).collect();
-        // Whatever a stair is called, or where it has no name.
-        let stair = b.model.products.iter().find(|p| p.id == id && p.class.starts_with("IfcStair"));
-        words.extend(stair.map(|p| p.class.to_owned()));
-        let furniture = b.model.products.iter().find(|p| p.id == id && is_furniture(p.class));
-        let source = furniture.map(|p| b.source(p, p.class));
+        let product = b.model.products.iter().find(|p| p.id == id);
+        // Stairs are often without a name.
+        words.extend(product.filter(|p| p.class.starts_with("IfcStair")).map(|p| p.class.to_owned()));
+        let source = product.filter(|p| is_furniture(p.class)).map(|p| b.source(p, p.class));
         Called { words: words.join(" "), extent, source }
     };
     boxes.into_iter().map(of).collect()

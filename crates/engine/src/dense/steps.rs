@@ -5,7 +5,8 @@ use super::super::stairs::NEVER;
 use super::{Dense, DenseScratch};
 
 impl Dense {
-    /// As [`steps_from`](super::super::stairs::steps_from), in the layout that was evaluated last.
+    /// As [`Graph::steps_from`](super::super::Graph::steps_from) of those that see anybody, in the layout that was
+    /// evaluated last.
     pub fn steps_from(&self, first: &[u32], scratch: &DenseScratch) -> Vec<u32> {
         let k = self.stride;
         let row = |cell: usize| &scratch.rows[cell * k..][..k];

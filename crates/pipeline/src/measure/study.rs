@@ -74,19 +74,11 @@ pub struct Study {
 }
 
 impl Study {
-    /// Lays the lattice and measures the present layout.
+    /// Lays the lattice and measures the present layout, within its building where steps are counted over the stairs; with
+    /// breadth-first trees of about `roots` roots where that many are named, for a look at the present layout alone.
     ///
     /// # Errors
     /// [`Error::Input`] when no cell is left or a limit is passed.
-    pub fn new(base: Understood, settings: &Settings, report: &mut Report) -> Result<Self, Error> {
-        Self::from_roots((base, None), settings, None, report)
-    }
-
-    /// [`Study::new`] within its building, where steps are counted over the stairs; for a look at the present layout alone with
-    /// breadth-first trees of about so many roots.
-    ///
-    /// # Errors
-    /// As [`Study::new`].
     pub(crate) fn from_roots(
         (base, floors): (Understood, Option<Floors>),
         settings: &Settings,
@@ -111,7 +103,7 @@ impl Study {
     /// The same study on other lattices; counts of cells are told in cells of this one's first lattice.
     ///
     /// # Errors
-    /// As [`Study::new`].
+    /// As [`Study::from_roots`].
     pub fn on_lattices(
         &self,
         settings: &Settings,
@@ -221,7 +213,7 @@ impl Study {
     /// How another storey of the building is laid out: who sees whom on a lattice.
     fn lay(at: LatticeAt) -> impl Fn(&Floor) -> Option<(Graph, CellIndex)> + Sync {
         move |floor| {
-            // Nothing is told of it: as few trees as can be.
+            // Its graph alone is asked for: as few trees as can be.
             let told = (Use::Roots(1, 0), at.spacing_um as f64 / UM_PER_M);
             let base = (Arc::clone(&floor.base), None);
             let on = Self::on(base, &floor.settings, &[at], told, &mut Report::default()).ok()?;

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use crate::job::Input;
 use crate::read::read_options;
+use crate::read::storey::{storey_read, without_others};
 use enfilade_cad::Opened;
 use enfilade_cad::drawing::Drawing;
 pub(crate) use enfilade_cad::ifc::SPACE_LAYER;
@@ -80,67 +81,32 @@ impl Asked {
     }
 }
 
-/// The storey that is read, of several, so that what is said of its places is not taken for others.
-pub(crate) fn storey_read(input: &Input<'_>, settings: &Settings) -> Option<String> {
-    let options = read_options(settings);
-    let found = enfilade_cad::storeys(input.file(), &input.bytes, &options);
-    let at = |name: &String| enfilade_cad::storey_at(found.iter().map(|s| s.name.as_str()), name);
-    let own = settings.storey.as_ref().map_or_else(|| enfilade_cad::main_storey(&found, options.cut_m()), at);
-    own.filter(|_| found.len() > 1).map(|own| enfilade_cad::storey_key(&found, own))
-}
-
-/// The settings without what they say of places on another storey than the one that is read.
-fn without_others<'s>(input: &Input<'_>, settings: &'s Settings) -> Cow<'s, Settings> {
-    let same = Cow::Borrowed(settings);
-    let Some(of) = &settings.of_storey else { return same };
-    let options = read_options(settings);
-    let storeys = enfilade_cad::storeys(input.file(), &input.bytes, &options);
-    let at = |name: &String| enfilade_cad::storey_at(storeys.iter().map(|s| s.name.as_str()), name);
-    let ours =
-        settings.storey.as_ref().map_or_else(|| enfilade_cad::main_storey(&storeys, options.cut_m()), at);
-    let (Some(theirs), Some(ours)) = (at(of), ours) else { return same };
-    let mut out = Settings { of_storey: None, ..settings.clone() };
-    if theirs != ours {
-        let key = |i: usize| enfilade_cad::storey_key(&storeys, i);
-        out.tables_left = Some(format!(
-            "the settings beside the drawing are of storey {:?}: their moves, regions, works, pins and points are not used on {:?}",
-            key(theirs),
-            key(ours)
-        ));
-        out.ignore_move_markers = false;
-        (out.moves, out.regions, out.works) = Default::default();
-        (out.pinned, out.pinned_options, out.pin_moves) = Default::default();
-        (out.like, out.warm, out.warm_moves) = Default::default();
-        (out.seed_points, out.reading.rooms) = Default::default();
-        (out.reading.inside, out.reading.outside) = Default::default();
-    }
-    Cow::Owned(out)
-}
-
-/// The settings with the storey on which the space that `--query` names is, where nobody names one and the one with most
-/// walls has no such space.
+/// The settings as they hold for the storey that is read: without what they say of places on another one, and with the
+/// storey on which the space that `--query` names is.
 ///
 /// # Errors
-/// [`Error::Usage`] where a storey is named and the space is on another, or on none of several.
-pub(crate) fn on_storey_of_query<'s>(
+/// As [`on_storey_of_query`].
+pub(crate) fn for_its_storey<'s>(
     input: &Input<'_>,
     settings: &'s Settings,
 ) -> Result<Cow<'s, Settings>, Error> {
-    let settings = match without_others(input, settings) {
-        Cow::Borrowed(same) => same,
-        Cow::Owned(own) => return Ok(Cow::Owned(on_storey_of_query(input, &own)?.into_owned())),
-    };
-    let same = Ok(Cow::Borrowed(settings));
+    let own = without_others(input, settings);
+    Ok(on_storey_of_query(input, &own)?.map_or(own, Cow::Owned))
+}
+
+/// The settings with the storey on which the space that `--query` names is, where nobody names one and the one with most
+/// walls has no such space; none where they hold as they are.
+///
+/// # Errors
+/// [`Error::Usage`] where a storey is named and the space is on another, or on none of several.
+fn on_storey_of_query(input: &Input<'_>, settings: &Settings) -> Result<Option<Settings>, Error> {
+    let same = Ok(None);
     let Some(query) = &settings.query else { return same };
     let asked = Asked::new(query, input.file())?;
     let Ok(opened) = Opened::new(input.file(), &input.bytes) else { return same };
     let options = read_options(settings);
     let storeys = opened.building(&options).0;
-    let own = match &settings.storey {
-        Some(name) => enfilade_cad::storey_at(storeys.iter().map(|s| s.name.as_str()), name),
-        None => enfilade_cad::main_storey(&storeys, options.cut_m()),
-    };
-    let Some(own) = own.filter(|_| storeys.len() > 1) else { return same };
+    let Some(own) = storey_read(&storeys, settings).filter(|_| storeys.len() > 1) else { return same };
     let key = |i: usize| enfilade_cad::storey_key(&storeys, i);
     let of = |i: usize| enfilade_cad::ReadOptions { storey: Some(key(i)), ..options.clone() };
     let found = |(drawing, _): &(Result<Drawing, Error>, Report)| {
@@ -179,5 +145,5 @@ pub(crate) fn on_storey_of_query<'s>(
     let why = format!(
         "--query {query:?} names a {what} of storey \"{other}\", which is taken; \"{here}\" has more walls and no such {what}"
     );
-    Ok(Cow::Owned(Settings { storey: Some(other.clone()), storey_taken: Some(why), ..settings.clone() }))
+    Ok(Some(Settings { storey: Some(other.clone()), storey_taken: Some(why), ..settings.clone() }))
 }

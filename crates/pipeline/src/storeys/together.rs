@@ -8,23 +8,21 @@ use crate::job::Job;
 use crate::measure::floors::{Building, Floor, Floors, Footprint};
 use crate::measure::study::Study;
 use crate::read::read_options;
+use crate::read::storey::storey_read;
 use crate::understand::rooms::rooms_with_kinds;
 use crate::understand::sensed::Sensed;
 use crate::understand::understood;
 use crate::understand::understood::Understood;
-use crate::write::analysis::over_stairs;
 use enfilade_cad::drawing::Format;
 use enfilade_cad::{Opened, StoreyInfo};
 use enfilade_config::{Partial, Settings};
 use enfilade_engine::geometry::PointUm;
+use enfilade_overlay::result::OverStairs;
 use enfilade_plan::kinds::{RoomKind, ThingKind};
 use enfilade_report::{Error, Place, Report, counted};
 
 /// Most storeys that are joined; of more the nearest ones. Every lattice is laid on each of them.
-pub const TOGETHER_MAX: usize = 12;
-
-/// No stair climbs higher from one storey to the next, metres.
-const RISE_MAX_M: f64 = 6.0;
+const TOGETHER_MAX: usize = 12;
 
 /// The storeys that steps lead to over the stairs of the one that was understood, where the settings ask for them; says what is
 /// joined, or why nothing is.
@@ -41,7 +39,7 @@ pub(crate) fn floors(job: Job<'_>, base: &Understood, report: &mut Report) -> Re
     let opened = Opened::new(input.file(), &input.bytes)?;
     let found = opened.building(&options).0;
     let list =
-        own_of(&found, settings).map(|own| (own, near(&found, own))).filter(|(_, list)| list.len() > 1);
+        storey_read(&found, settings).map(|own| (own, near(&found, own))).filter(|(_, list)| list.len() > 1);
     let Some((own, list)) = list else {
         let sheet =
             if base.plan.format == Format::Dxf { " (drawings of one sheet are not joined)" } else { "" };
@@ -67,8 +65,9 @@ pub(crate) fn floors(job: Job<'_>, base: &Understood, report: &mut Report) -> Re
     let Some(own_at) = made.iter().position(|m| m.0 == own) else { return Ok(None) };
     let mut stairs = Vec::new();
     for (lower, pair) in made.windows(2).enumerate() {
-        let rise_m = found[pair[1].0].floor_m - found[pair[0].0].floor_m;
-        if rise_m <= RISE_MAX_M * base.plan.human_scale {
+        // Over a storey that was left out nobody climbs.
+        let is_next = list.windows(2).any(|next| next == [pair[0].0, pair[1].0]);
+        if is_next {
             let storeys = [lower, lower + 1];
             stairs.extend(pair[0].2.iter().map(|ring| Footprint { storeys, ring: ring.clone() }));
         }
@@ -103,7 +102,7 @@ pub(crate) fn above(job: Job<'_>, study: &Study) -> Option<(String, Arc<Understo
     let options = read_options(settings);
     let opened = Opened::new(input.file(), &input.bytes).ok()?;
     let found = opened.building(&options).0;
-    let own = own_of(&found, settings)?;
+    let own = storey_read(&found, settings)?;
     let next = near(&found, own).into_iter().find(|i| *i > own)?;
     let settings = plain(settings, &found, next);
     let mut silent = Report::default();
@@ -112,12 +111,15 @@ pub(crate) fn above(job: Job<'_>, study: &Study) -> Option<(String, Arc<Understo
     Some((enfilade_cad::storey_key(&found, next), Arc::new(above)))
 }
 
-/// Which of the storeys is read.
-fn own_of(found: &[StoreyInfo], settings: &Settings) -> Option<usize> {
-    match &settings.storey {
-        Some(name) => enfilade_cad::storey_at(found.iter().map(|s| s.name.as_str()), name),
-        None => enfilade_cad::main_storey(found, read_options(settings).cut_m()),
-    }
+/// What steps of a study reach over the stairs; none where they stay on its storey.
+pub(crate) fn over_stairs(study: &Study) -> Option<OverStairs> {
+    let beyond = study.lattice.beyond.as_ref()?;
+    let floors = study.floors.as_ref()?;
+    Some(OverStairs {
+        stairs: beyond.stairs.iter().filter(|s| !s.is_empty()).count() as u64,
+        storeys: floors.reached().into_iter().map(Into::into).collect(),
+        cells: beyond.vertices(),
+    })
 }
 
 /// Says what the stairs of a measured storey join it to.
@@ -133,7 +135,7 @@ pub(crate) fn state(study: &Study, report: &mut Report) {
             let why = if floors.has_stairs() {
                 "no measured cell lies on the stairs to another storey, here or there (a smaller --spacing has more cells)"
             } else {
-                "no stair was found on this storey or the one below that leads to another one with rooms, at most 6 m up"
+                "no stair was found on this storey or the one below that leads to another one with rooms"
             };
             report.warn(
                 "stairs-none",
@@ -163,23 +165,16 @@ fn near(found: &[StoreyInfo], own: usize) -> Vec<usize> {
 /// another storey is one on it.
 fn plain(settings: &Settings, found: &[StoreyInfo], storey: usize) -> Settings {
     let usual = Settings::new(Partial::default()).unwrap_or_else(|_| settings.clone());
-    let mut out = Settings {
+    Settings {
         storey: Some(enfilade_cad::storey_key(found, storey)),
         over_stairs: false,
         query: None,
-        seed_points: Vec::new(),
-        works: Vec::new(),
-        regions: Vec::new(),
         objectives: usual.objectives,
         score: usual.score,
         penalties: usual.penalties,
         limits: usual.limits,
-        ..settings.clone()
-    };
-    // Rooms are numbered on the storey that is read.
-    out.reading.rooms.clear();
-    (out.reading.inside, out.reading.outside) = Default::default();
-    out
+        ..settings.clone().without_places()
+    }
 }
 
 /// The boxes of flights that hold no other's: a stair that turns has a box that reaches into rooms beside it, its flights

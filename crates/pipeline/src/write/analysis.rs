@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use crate::job::{Input, Job, Outcome};
 use crate::measure::aims;
 use crate::measure::study::Study;
+use crate::storeys::together::over_stairs;
 use crate::understand::rooms::rooms_with_kinds;
 use crate::understand::sensed;
 use crate::write::check_picture::check_picture;
@@ -12,7 +13,7 @@ use crate::write::heat_maps::{MapLook, heat_map};
 use crate::write::maps;
 use crate::write::show::{self, lattice_centre};
 use enfilade_overlay::Scale;
-use enfilade_overlay::result::{self, AnalysisResult, OverStairs};
+use enfilade_overlay::result::{self, AnalysisResult};
 use enfilade_report::{Error, OutFile, Report};
 
 pub(crate) fn analysis_of(
@@ -73,17 +74,6 @@ pub(crate) fn analysis_result(input: &Input<'_>, study: &Study, report: &Report)
         storeys: Vec::new(),
         problems: report.problems.iter().map(Into::into).collect(),
     }
-}
-
-/// What steps of a study reach over the stairs; none where they stay on its storey.
-pub(crate) fn over_stairs(study: &Study) -> Option<OverStairs> {
-    let beyond = study.lattice.beyond.as_ref()?;
-    let floors = study.floors.as_ref()?;
-    Some(OverStairs {
-        stairs: beyond.stairs.iter().filter(|s| !s.is_empty()).count() as u64,
-        storeys: floors.reached().into_iter().map(Into::into).collect(),
-        cells: beyond.vertices(),
-    })
 }
 
 /// Writes the result of an analysis again, of which more is known now.

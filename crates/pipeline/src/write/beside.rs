@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::accept::unit_words;
 use crate::job::Job;
 use crate::measure::study::Study;
-use crate::read::query::storey_read;
+use crate::read::storey::key_read;
 use crate::write::made::Made;
 use crate::write::show::lattice_centre;
 use enfilade_config::{Partial, RegionTable, SETTINGS_VERSION};
@@ -25,7 +25,7 @@ pub(crate) fn side_cars(
     study: &Study,
     made: &[&Made],
 ) -> Result<Vec<OutFile>, Error> {
-    let of_storey = storey_read(input, settings);
+    let of_storey = key_read(input, settings);
     let [moved, built] = [false, true].map(|is_built| floors(study, is_built));
     let side_car = |m: &&Made| {
         let regions = if m.built.is_some() { &built } else { &moved };

@@ -2,8 +2,9 @@
 //! above wall that works take away.
 
 use enfilade_config::{Beside, Partial, Settings};
+use enfilade_overlay::result::RoundResult;
 use enfilade_pipeline::accept::{Chosen, Origin, accept};
-use enfilade_pipeline::{Input, Study, analyse};
+use enfilade_pipeline::{Input, Outcome, Study, analyse};
 use enfilade_report::{Cancel, Report};
 
 const IFC: &str = include_str!("../../../../../samples/pavilion.ifc");
@@ -40,6 +41,13 @@ fn measured(text: &str, settings: &Settings) -> (Study, Report) {
     let input = Input::new("house.ifc", text.as_bytes(), 1);
     let (outcome, study) = analyse(&input, settings, &Cancel::default()).unwrap();
     (study, outcome.report)
+}
+
+/// A round of two options.
+fn round(input: &Input<'_>, settings: Settings) -> Outcome<RoundResult> {
+    let settings = Settings { members: 2, ..settings };
+    let started = std::time::Instant::now();
+    enfilade_pipeline::run(input, &settings, started, &mut |_| {}, &Cancel::default()).unwrap()
 }
 
 /// Cells reached, and steps to them, from all cells together.
@@ -89,7 +97,7 @@ fn what_stairs_join_is_told() {
         matches!(apart.as_slice(), [("stairs-none", text)] if text.contains("no stair was found")),
         "{apart:?}"
     );
-    // Nothing changes where there is none.
+    // Without a stair nothing changes.
     let [alone, over] =
         [false, true].map(|over| measured(&house(false, true), &settings("Ground floor", over)).0);
     assert_eq!(alone.initial.seen, over.initial.seen);
@@ -99,10 +107,8 @@ fn what_stairs_join_is_told() {
 #[test]
 fn an_option_is_measured_over_the_stairs_again() {
     let text = house(true, true);
-    let own = Settings { evaluations: Some(60), members: 2, ..settings("Ground floor", true) };
     let input = Input::new("house.ifc", text.as_bytes(), 1);
-    let started = std::time::Instant::now();
-    let round = enfilade_pipeline::run(&input, &own, started, &mut |_| {}, &Cancel::default()).unwrap();
+    let round = round(&input, Settings { evaluations: Some(60), ..settings("Ground floor", true) });
     let file = |name: &str| {
         let found = round.files.iter().find(|f| f.path.ends_with(name));
         found.unwrap_or_else(|| panic!("{name} is there")).bytes.to_vec()
@@ -125,10 +131,8 @@ fn an_option_is_measured_over_the_stairs_again() {
 #[test]
 fn the_next_storey_has_its_own_round() {
     let text = house(true, true);
-    let own = Settings { evaluations: Some(60), members: 2, ..settings("Ground floor", true) };
     let input = Input::new("house.ifc", text.as_bytes(), 1);
-    let started = std::time::Instant::now();
-    let round = enfilade_pipeline::run(&input, &own, started, &mut |_| {}, &Cancel::default()).unwrap();
+    let round = round(&input, Settings { evaluations: Some(60), ..settings("Ground floor", true) });
     let origin = Origin { round: 1, is_so_far: false };
     let taken = accept(&input, Beside::default(), &round.result, origin, Chosen::Option(1)).unwrap();
     let side_car = taken.side_car;
@@ -164,15 +168,9 @@ fn what_stands_above_wall_that_goes_is_named() {
     );
     let plain = IFC.replace("'Pset_Enfilade'", "'Pset_Other'");
     let over = |text: &str, storey: &str| {
-        let own = Settings {
-            evaluations: Some(20),
-            members: 2,
-            allow: "structure".parse().unwrap(),
-            ..settings(storey, false)
-        };
+        let allow = "structure".parse().unwrap();
         let input = Input::new("house.ifc", text.as_bytes(), 1);
-        let started = std::time::Instant::now();
-        let round = enfilade_pipeline::run(&input, &own, started, &mut |_| {}, &Cancel::default()).unwrap();
+        let round = round(&input, Settings { evaluations: Some(20), allow, ..settings(storey, false) });
         let built = round.result.candidates.into_iter().filter(|c| !c.works.is_empty());
         built.map(|c| (c.words, c.works)).collect::<Vec<_>>()
     };
