@@ -253,6 +253,9 @@ struct Part {
     wall_pieces: usize,
 }
 
+/// A piece, with 1 where it draws a wall.
+type Drawn = (Piece, usize);
+
 fn parts(
     drawing: &Drawing,
     walls: &[&Entity],
@@ -267,14 +270,14 @@ fn parts(
     let frame = extent * FRAME_SHARE;
     let drawn = pieces(walls.iter().copied()).into_iter().map(|p| (p, 1));
     let others = pieces(seen.iter().copied()).into_iter().filter(|p| p.length() < frame).map(|p| (p, 0));
-    let drawn: Vec<(Piece, usize)> = drawn.chain(others).collect();
+    let drawn: Vec<Drawn> = drawn.chain(others).collect();
     let places = ByPlace::new(drawn.iter().map(|(p, _)| [p.a.min(p.b), p.a.max(p.b)]).collect());
-    let inside = |part: &Part| -> Vec<&(Piece, usize)> {
+    let inside = |part: &Part| -> Vec<&Drawn> {
         let is_in = is_in(&part.extent);
         let inside = places.touching(&part.extent).into_iter().map(|i| &drawn[i]);
         inside.filter(|(p, _)| is_in(&p.a) && is_in(&p.b)).collect()
     };
-    let nearer = |inside: &[&(Piece, usize)]| rastered(inside.iter().copied(), lo, cell / NEARER);
+    let nearer = |inside: &[&Drawn]| rastered(inside.iter().copied(), lo, cell / NEARER);
     let one = |part: Part| {
         if on_sheet.says_no_plan_by(&part.extent) {
             parted(on_sheet, nearer(&inside(&part)), part)
@@ -290,8 +293,8 @@ fn parts(
 /// it is. `drawn`: the pieces in it, with those of walls counted; `nearer`: these in smaller cells.
 fn storeys(
     on_sheet: &OnSheet<'_>,
-    drawn: &[&(Piece, usize)],
-    nearer: &dyn Fn(&[&(Piece, usize)]) -> Vec<Part>,
+    drawn: &[&Drawn],
+    nearer: &dyn Fn(&[&Drawn]) -> Vec<Part>,
     part: Part,
 ) -> Vec<Part> {
     if part.wall_pieces < 2 * OWN_PIECES {
@@ -320,7 +323,7 @@ fn storeys(
     out
 }
 
-fn rastered<'a>(drawn: impl Iterator<Item = &'a (Piece, usize)>, lo: DVec2, cell: f64) -> Vec<Part> {
+fn rastered<'a>(drawn: impl Iterator<Item = &'a Drawn>, lo: DVec2, cell: f64) -> Vec<Part> {
     let mut raster = Raster { lo, cell, cells: BTreeMap::new() };
     drawn.for_each(|(piece, walls)| raster.draw(piece.a, piece.b, *walls));
     raster.parts()
