@@ -103,7 +103,7 @@ impl Study {
     /// The same study on other lattices; counts of cells are told in cells of this one's first lattice.
     ///
     /// # Errors
-    /// As [`Study::from_roots`].
+    /// [`Error::Input`] when no cell is left or a limit is passed.
     pub fn on_lattices(
         &self,
         settings: &Settings,
