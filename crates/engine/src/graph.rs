@@ -1,13 +1,14 @@
 //! Who sees whom: one row a vertex, each row a sorted list of (tile, mask of 64 cells).
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use super::tiles::Tiles;
 
 /// A visibility graph. Undirected, no loops; memory grows with what is visible.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
-    pub(super) tiles: Tiles,
+    pub(super) tiles: Arc<Tiles>,
     /// First entry of the row of each rank; one more entry than vertices.
     pub(super) start: Vec<usize>,
     /// Tile of each entry, ascending within a row.
@@ -28,7 +29,7 @@ pub(super) struct RowChunk {
 }
 
 impl Graph {
-    pub(super) fn from_chunks(tiles: Tiles, chunks: Vec<RowChunk>) -> Self {
+    pub(super) fn from_chunks(tiles: Arc<Tiles>, chunks: Vec<RowChunk>) -> Self {
         let entries = chunks.iter().map(|c| c.tile.len()).sum();
         let n = tiles.vertex_of.len();
         let mut graph = Self {
@@ -122,6 +123,62 @@ impl Graph {
             }
         }
         out
+    }
+
+    /// This graph, complete, with what is seen through some windows in another layout instead of what is seen through them
+    /// now: `before` and `then` are those parts of it.
+    pub fn replaced(&self, before: &Self, then: &Self) -> Self {
+        let mut out = Self {
+            tiles: Arc::clone(&self.tiles),
+            start: Vec::with_capacity(self.start.len()),
+            entry_tile: Vec::with_capacity(self.entry_tile.len() + then.entry_tile.len()),
+            entry_mask: Vec::with_capacity(self.entry_tile.len() + then.entry_tile.len()),
+            degree: Vec::with_capacity(self.len()),
+        };
+        out.start.push(0);
+        for rank in 0..self.len() {
+            let [now, gone, come] = [self, before, then].map(|g| g.row(rank));
+            if gone.0.is_empty() && come.0.is_empty() {
+                out.entry_tile.extend_from_slice(now.0);
+                out.entry_mask.extend_from_slice(now.1);
+                out.degree.push(self.degree[rank]);
+            } else {
+                let degree = out.push_replaced(now, gone, come);
+                out.degree.push(degree);
+            }
+            out.start.push(out.entry_tile.len());
+        }
+        out
+    }
+
+    /// Adds the entries of a row without some of them and with others; how many cells it has.
+    fn push_replaced(
+        &mut self,
+        now: (&[u32], &[u64]),
+        gone: (&[u32], &[u64]),
+        come: (&[u32], &[u64]),
+    ) -> u32 {
+        let mut at = [0; 3];
+        let mut degree = 0;
+        loop {
+            let rows = [now, gone, come];
+            let next = |k: usize| rows[k].0.get(at[k]).copied().unwrap_or(u32::MAX);
+            let tile = next(0).min(next(2));
+            if tile == u32::MAX {
+                return degree;
+            }
+            let masks: [u64; 3] = std::array::from_fn(|k| {
+                let is_here = next(k) == tile;
+                if is_here { rows[k].1[at[k]] } else { 0 }
+            });
+            (0..3).for_each(|k| at[k] += usize::from(rows[k].0.get(at[k]) == Some(&tile)));
+            let mask = masks[0] & !masks[1] | masks[2];
+            if mask != 0 {
+                self.entry_tile.push(tile);
+                self.entry_mask.push(mask);
+                degree += mask.count_ones();
+            }
+        }
     }
 
     /// Component label of every vertex: the smallest vertex of its component.

@@ -34,7 +34,8 @@ pub(super) const POSITIVE_INFINITY: EndId = u64::MAX;
 /// The slope of the viewer's own row, to the left.
 pub(super) const NEGATIVE_INFINITY: EndId = u64::MAX - 1;
 
-const CUT: EndId = 1 << 63;
+/// Marks the cut of a wall at a row.
+pub(super) const CUT: EndId = 1 << 63;
 
 /// The part of one wall inside one strip; `y[0] <= y[1]`.
 #[derive(Clone, Copy, Debug)]

@@ -5,16 +5,27 @@
 //! than the rounding error allows to tell apart, the decision is made in whole numbers, so the result
 //! equals the pairwise test of every sight line against every wall.
 
+mod vista;
+mod windows;
+
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
-use crate::geometry::{PointUm, Segment, segments_touch};
+use crate::geometry::{Segment, segments_touch};
 
 pub use super::graph::Graph;
 use super::graph::RowChunk;
 use super::halves::{Half, Halves};
-use super::strips::{self, EndId, Fraction, NEGATIVE_INFINITY, POSITIVE_INFINITY, Piece, Strips};
+use super::strips::{self, CUT, EndId, Fraction, NEGATIVE_INFINITY, POSITIVE_INFINITY, Piece, Strips};
 use super::tiles::{NO_TILE, Tiles};
 use super::{Lattice, Obstacles};
+pub use vista::Vista;
+pub use windows::Window;
+use windows::{Views, Windows};
+
+/// Marks the end of a view through windows, by its place: no wall has so many points.
+const VIEW: EndId = 1 << 62;
 
 /// Stands for an infinite slope and stays finite in arithmetic.
 const HUGE: f64 = 1e300;
@@ -25,27 +36,27 @@ pub fn visibility_graph(lattice: &Lattice, obstacles: &Obstacles) -> Graph {
     graph_of(lattice, obstacles, None)
 }
 
-/// Those pairs of [`visibility_graph`] whose line of sight meets a window, and maybe others of it: what an obstacle in the
-/// window hides or would hide, at the cost of the view through it. A window is the corners of a convex polygon, at least
-/// two; drawing frame.
-pub fn graph_through(lattice: &Lattice, obstacles: &Obstacles, windows: &[Vec<PointUm>]) -> Graph {
+/// Those pairs of [`visibility_graph`] whose line of sight meets a window of each group, and maybe others of it, the same
+/// ones whatever stands there: what an obstacle in the windows hides or would hide, at the cost of the view through them.
+pub fn graph_through(lattice: &Lattice, obstacles: &Obstacles, windows: &[&[Window]]) -> Graph {
     graph_of(lattice, obstacles, Some(windows))
 }
 
-fn graph_of(lattice: &Lattice, obstacles: &Obstacles, windows: Option<&[Vec<PointUm>]>) -> Graph {
-    let tiles = Tiles::new(lattice);
-    let Some(strips) = Strips::new(lattice, &tiles, obstacles) else {
-        return pairwise_graph(lattice, obstacles);
-    };
-    let low = strips::low_um(lattice, &tiles);
-    let local = |p: &PointUm| [0, 1].map(|k| p[k] as f64 - low[k] as f64);
-    let of =
-        |all: &[Vec<PointUm>]| all.iter().map(|w| w.iter().map(local).collect()).collect::<Vec<Window>>();
-    let windows = windows.map(of);
-    let windows: Option<&[Window]> = windows.as_deref();
+fn graph_of(lattice: &Lattice, obstacles: &Obstacles, windows: Option<&[&[Window]]>) -> Graph {
+    let tiles = Arc::new(Tiles::new(lattice));
+    match Strips::new(lattice, &tiles, obstacles) {
+        Some(strips) => swept((lattice, tiles), &strips, windows),
+        None => pairwise_graph(lattice, obstacles),
+    }
+}
+
+/// The graph under walls that were cut already, through windows where there are any.
+fn swept((lattice, tiles): (&Lattice, Arc<Tiles>), strips: &Strips, windows: Option<&[&[Window]]>) -> Graph {
+    let low_um = strips::low_um(lattice, &tiles);
+    let windows = windows.map(|groups| Windows::new(groups, low_um, strips.columns as f64));
     let all = (0..tiles.count()).into_par_iter();
     let look = |sweep: &mut Sweep<'_>, t: usize| sweep.half(t);
-    let new = || Sweep { windows, ..Sweep::new(&strips, &tiles) };
+    let new = || Sweep { windows: windows.as_ref(), ..Sweep::new(strips, &tiles) };
     let halves = all.clone().map_init(new, look).collect();
     let halves = Halves::new(&tiles, halves);
     let chunks = all.map_init(Vec::new, |squares, t| halves.rows(t, squares)).collect();
@@ -96,6 +107,7 @@ pub(super) fn visibility_graph_serial(lattice: &Lattice, obstacles: &Obstacles) 
     let Some(strips) = Strips::new(lattice, &tiles, obstacles) else {
         return pairwise_graph(lattice, obstacles);
     };
+    let tiles = Arc::new(tiles);
     let (mut sweep, mut squares) = (Sweep::new(&strips, &tiles), Vec::new());
     let halves = Halves::new(&tiles, (0..tiles.count()).map(|t| sweep.half(t)).collect());
     let chunks = (0..tiles.count()).map(|t| halves.rows(t, &mut squares)).collect();
@@ -133,7 +145,7 @@ fn pairwise_graph(lattice: &Lattice, obstacles: &Obstacles) -> Graph {
         chunk
     };
     let chunks = (0..n).into_par_iter().map(row).collect();
-    Graph::from_chunks(tiles, chunks)
+    Graph::from_chunks(Arc::new(tiles), chunks)
 }
 
 /// Which vertices can see at all: no obstacle touches their centre and no solid covers them.
@@ -166,20 +178,14 @@ struct Interval {
     hi: End,
 }
 
-/// Corners of a window, frame of the strips, micrometres.
-type Window = Vec<[f64; 2]>;
-
-/// A line that passes a window by less passes through it, micrometres: what is cut at a window ends on whole ones.
-const WINDOW_RIM_UM: f64 = 2.0;
-
 /// One worker: buffers that live as long as it does.
 struct Sweep<'a> {
     strips: &'a Strips,
     tiles: &'a Tiles,
     /// What is looked through; `None`: anything.
-    windows: Option<&'a [Window]>,
-    /// Slopes of the windows as the viewer has them above, from and to.
-    views: Vec<[f64; 2]>,
+    windows: Option<&'a Windows>,
+    /// What the viewer looks at, where there are windows.
+    views: Views,
     gaps: Vec<Interval>,
     next_gaps: Vec<Interval>,
     blocks: Vec<Interval>,
@@ -210,7 +216,7 @@ impl<'a> Sweep<'a> {
             strips,
             tiles,
             windows: None,
-            views: Vec::new(),
+            views: Views::default(),
             gaps: Vec::new(),
             next_gaps: Vec::new(),
             blocks: Vec::new(),
@@ -261,7 +267,12 @@ impl<'a> Sweep<'a> {
         let row = tile_row as usize * 8 + usize::from(bit >> 3);
         let at = [column as i64 * self.strips.spacing_um, row as i64 * self.strips.spacing_um];
         self.viewer = Viewer { column, row, at, x: at[0] as f64, y: at[1] as f64 };
-        self.own_row();
+        if let Some(windows) = self.windows {
+            windows.look([self.viewer.x, self.viewer.y], &mut self.views);
+        }
+        if self.windows.is_none() || !self.views.is_row_closed {
+            self.own_row();
+        }
         self.sweep();
     }
 
@@ -309,12 +320,15 @@ impl<'a> Sweep<'a> {
     /// The half plane above the viewer.
     fn sweep(&mut self) {
         let rows = self.strips.rows - 1 - self.viewer.row;
-        if rows == 0 || !self.looks_up() {
+        if rows == 0 {
             return;
         }
-        self.first_strip();
+        match self.windows {
+            None => self.first_strip(),
+            Some(_) if self.views.above.is_empty() => return,
+            Some(_) => self.first_strip_through(),
+        }
         for distance in 1..=rows {
-            self.keep_views();
             self.emit(distance);
             if self.gaps.is_empty() || distance == rows {
                 break;
@@ -324,46 +338,12 @@ impl<'a> Sweep<'a> {
         self.gaps.clear();
     }
 
-    /// Finds the slopes of the windows; whether any of them lies above.
-    fn looks_up(&mut self) -> bool {
-        let Some(windows) = self.windows else { return true };
-        self.views.clear();
-        for window in windows {
-            let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
-            let (mut is_above, mut is_below) = (false, false);
-            for [x, y] in window {
-                let [dx, dy] = [x - self.viewer.x, y - self.viewer.y];
-                if dy > WINDOW_RIM_UM {
-                    is_above = true;
-                    let rim = WINDOW_RIM_UM * (1.0 + (dx / dy).abs()) / dy;
-                    (from, to) = (from.min(dx / dy - rim), to.max(dx / dy + rim));
-                } else {
-                    is_below = true;
-                    is_above |= dy > -WINDOW_RIM_UM;
-                }
-            }
-            if !is_above {
-                continue;
-            }
-            // A window that reaches below is seen to the horizon on the sides on which it lies there.
-            let lies = |side: f64| window.iter().any(|[x, _]| (x - self.viewer.x) * side > -WINDOW_RIM_UM);
-            if is_below && lies(-1.0) {
-                from = f64::NEG_INFINITY;
-            }
-            if is_below && lies(1.0) {
-                to = f64::INFINITY;
-            }
-            self.views.push([from, to]);
-        }
-        !self.views.is_empty()
-    }
-
-    /// Forgets gaps in which no window lies.
-    fn keep_views(&mut self) {
-        if self.windows.is_some() {
-            let views = &self.views;
-            self.gaps.retain(|g| views.iter().any(|[from, to]| g.hi.slope >= *from && g.lo.slope <= *to));
-        }
+    /// From the viewer's row to the next, through the windows alone.
+    fn first_strip_through(&mut self) {
+        let end = |slope: f64, place: usize| self.end(slope, VIEW | place as EndId);
+        let views = self.views.above.iter().enumerate();
+        self.gaps = views.map(|(i, v)| Interval { lo: end(v[0], 2 * i), hi: end(v[1], 2 * i + 1) }).collect();
+        self.advance(0);
     }
 
     /// From the viewer's row to the next: looks right and left as far as nothing closes the view.
@@ -526,7 +506,7 @@ impl<'a> Sweep<'a> {
                 num: i128::from((near as i64 - self.viewer.column as i64) * self.strips.spacing_um),
                 den: i128::from(distance as i64 * self.strips.spacing_um),
             };
-            let order = cell.compare(self.strips.fraction(end.id, self.viewer.at));
+            let order = cell.compare(self.fraction(end.id));
             match right {
                 true => near as i64 + i64::from(order.is_le()),
                 false => near as i64 - i64::from(order.is_ge()),
@@ -547,8 +527,15 @@ impl<'a> Sweep<'a> {
 
     #[cold]
     fn less_exactly(&self, a: EndId, b: EndId) -> bool {
-        let fraction = |id| self.strips.fraction(id, self.viewer.at);
-        fraction(a).compare(fraction(b)).is_lt()
+        self.fraction(a).compare(self.fraction(b)).is_lt()
+    }
+
+    /// The slope of an end, exactly.
+    fn fraction(&self, id: EndId) -> Fraction {
+        match id & (CUT | VIEW) {
+            VIEW => self.views.slope((id & !VIEW) as usize),
+            _ => self.strips.fraction(id, self.viewer.at),
+        }
     }
 
     /// Adds the cells `first..=last` of a row to what is seen.

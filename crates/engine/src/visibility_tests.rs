@@ -32,21 +32,65 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1500, max_shrink_iters: 4000, ..ProptestConfig::default() })]
 
-    /// All that meets a window is seen through it, and nothing that is not seen at all.
+    /// All that meets a window of each group is seen through them, nothing that is not seen at all, and of what another layout
+    /// shows the same.
     #[test]
-    fn through_a_window_all_is_seen_that_it_would_hide((lattice, mut obstacles) in fixtures::plans(), two in any::<bool>()) {
-        let count = obstacles.segments.len().min(1 + usize::from(two));
-        let taken = obstacles.segments.split_off(obstacles.segments.len() - count);
-        let windows: Vec<Vec<PointUm>> = taken.iter().map(|s| vec![s.a, s.b]).collect();
-        let (all, through) = (visibility_graph(&lattice, &obstacles), graph_through(&lattice, &obstacles, &windows));
+    fn through_windows_all_is_seen_that_they_would_hide(
+        (lattice, mut obstacles) in fixtures::plans(),
+        counts in prop::collection::vec(1usize..3, 1..3),
+    ) {
+        let groups: Vec<Vec<Segment>> = counts.iter().map(|count| {
+            let count = obstacles.segments.len().min(*count);
+            obstacles.segments.split_off(obstacles.segments.len() - count)
+        }).collect();
+        let windows: Vec<Vec<Window>> =
+            groups.iter().map(|g| g.iter().map(|s| vec![s.a, s.b]).collect()).collect();
+        let windows: Vec<&[Window]> = windows.iter().map(Vec::as_slice).collect();
+        let vista = Vista::new(lattice.clone().into(), obstacles.clone());
+        let bare = vista.other(Obstacles { segments: vec![], blind: obstacles.blind.clone() });
+        let [all, through, open] = [vista.graph(), vista.through(&windows), bare.through(&windows)];
         for u in 0..lattice.cells.len() as u32 {
             for v in 0..u {
                 let [a, b] = [u, v].map(|x| lattice.centre_um(x as usize));
-                let meets = taken.iter().any(|s| segments_touch(*s, Segment { a, b }));
+                let meets = groups.iter().all(|g| g.iter().any(|s| segments_touch(*s, Segment { a, b })));
                 prop_assert!(!through.sees(u, v) || all.sees(u, v));
                 prop_assert!(!(meets && all.sees(u, v)) || through.sees(u, v), "{u} {v} {windows:?}");
+                prop_assert_eq!(through.sees(u, v), open.sees(u, v) && all.sees(u, v), "{} {} {:?}", u, v, &windows);
             }
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1500, max_shrink_iters: 4000, ..ProptestConfig::default() })]
+
+    /// Walls that go, come, are cut on their own line and beside it, and cells that are covered.
+    #[test]
+    fn a_changed_layout_equals_its_own_graph(
+        (lattice, obstacles) in fixtures::plans(),
+        fates in prop::collection::vec((0u8..12, 0i64..5, -1i64..2), 60),
+        blind in prop::collection::vec(0u32..40, 0..3),
+    ) {
+        prop_assume!(!lattice.cells.is_empty());
+        let mut then = Obstacles { segments: vec![], blind: obstacles.blind.clone() };
+        for (s, (fate, share, off)) in obstacles.segments.iter().zip(&fates) {
+            let at = |share: i64, off: i64| [0, 1].map(|k| s.a[k] + (s.b[k] - s.a[k]) * share / 4 + off * k as i64);
+            match fate {
+                0 => {}
+                1 => then.segments.push(Segment { a: at(*share, 0), b: s.b }),
+                2 => then.segments.extend([Segment { a: s.a, b: at(*share, *off) }, Segment { a: at(*share, 0), b: s.b }]),
+                3 => then.segments.extend([Segment { a: s.b, b: s.a }, Segment { a: s.a, b: at(*share, 9 * off) }]),
+                _ => then.segments.push(*s),
+            }
+        }
+        then.blind.extend(blind.into_iter().filter(|v| (*v as usize) < lattice.cells.len()));
+        then.blind.sort_unstable();
+        then.blind.dedup();
+        let vista = Vista::new(lattice.clone().into(), obstacles);
+        let found = vista.changed_where(&vista.graph(), &then);
+        let whole = visibility_graph(&lattice, &then);
+        prop_assert_eq!((found.start, found.entry_tile, found.entry_mask, found.degree),
+            (whole.start, whole.entry_tile, whole.entry_mask, whole.degree));
     }
 }
 

@@ -1,6 +1,8 @@
 //! One layout of a larger plan against what never moves: the shadows of the dense rows, gathered tile by tile into
 //! a visibility graph.
 
+use std::sync::Arc;
+
 use super::{Dense, DenseScratch, Moving, Viewer};
 use crate::graph::Graph;
 use crate::halves::{Half, Halves};
@@ -17,7 +19,7 @@ const MAX_COLUMNS: usize = super::MAX_CELLS;
 /// See the module page.
 pub(crate) struct Broad {
     dense: Dense,
-    tiles: Tiles,
+    tiles: Arc<Tiles>,
 }
 
 impl Broad {
@@ -25,7 +27,7 @@ impl Broad {
     /// or a table of more than [`MAX_WORDS`].
     pub fn new(lattice: &Lattice, graph: &Graph) -> Option<Self> {
         let fits = Self::has_room(graph.len(), graph.tiles.size_cells);
-        fits.then(|| Self { dense: Dense::prepared(lattice, graph), tiles: graph.tiles.clone() })
+        fits.then(|| Self { dense: Dense::prepared(lattice, graph), tiles: Arc::clone(&graph.tiles) })
     }
 
     /// Whether [`new`](Self::new) takes the graph of a lattice; it does where [`Dense::new`] does.
@@ -59,7 +61,7 @@ impl Broad {
         };
         let (halves, mut squares) = (Halves::new(&self.tiles, halves), Vec::new());
         let chunks = (0..self.tiles.count()).map(|t| halves.rows(t, &mut squares)).collect();
-        Some(Graph::from_chunks(self.tiles.clone(), chunks))
+        Some(Graph::from_chunks(Arc::clone(&self.tiles), chunks))
     }
 
     #[cfg(target_arch = "x86_64")]

@@ -130,7 +130,7 @@ fn renumber(graph: &Graph, halls: &[Vec<u32>]) -> Graph {
         }
     }
     tiles.first_rank.push(graph.len() as u32);
-    let mut new = Graph { tiles, start: vec![0], ..Graph::default() };
+    let mut new = Graph { tiles: tiles.into(), start: vec![0], ..Graph::default() };
     let mut masks = vec![0u64; halls.len()];
     let mut touched = Vec::new();
     for &rank in halls.iter().flatten() {

@@ -1,0 +1,129 @@
+//! A layout that others are compared with: what a change does to sight is looked at where it changes anything.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::windows::Window;
+use super::{pairwise_graph, swept};
+use crate::geometry::{PointUm, Segment, cross_um};
+use crate::graph::Graph;
+use crate::strips::Strips;
+use crate::tiles::Tiles;
+use crate::{Lattice, Obstacles};
+
+/// Share of the walls of which at most so many change: from there on a look at everything takes no longer.
+const CHANGED_SHARE: f64 = 0.25;
+
+/// A layout that is looked at again and again: its walls are cut once.
+pub struct Vista {
+    lattice: Arc<Lattice>,
+    obstacles: Obstacles,
+    tiles: Arc<Tiles>,
+    strips: Option<Strips>,
+}
+
+impl Vista {
+    /// A layout of a lattice.
+    pub fn new(lattice: Arc<Lattice>, obstacles: Obstacles) -> Self {
+        let tiles = Arc::new(Tiles::new(&lattice));
+        let strips = Strips::new(&lattice, &tiles, &obstacles);
+        Self { lattice, obstacles, tiles, strips }
+    }
+
+    /// Another layout of the same lattice.
+    pub fn other(&self, obstacles: Obstacles) -> Self {
+        let strips = Strips::new(&self.lattice, &self.tiles, &obstacles);
+        Self { lattice: Arc::clone(&self.lattice), obstacles, tiles: Arc::clone(&self.tiles), strips }
+    }
+
+    /// Its lattice.
+    pub fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// What stops sight in it.
+    pub fn obstacles(&self) -> &Obstacles {
+        &self.obstacles
+    }
+
+    /// As [`visibility_graph`](super::visibility_graph).
+    pub fn graph(&self) -> Graph {
+        self.looked(None)
+    }
+
+    /// As [`graph_through`](super::graph_through).
+    pub fn through(&self, windows: &[&[Window]]) -> Graph {
+        self.looked(Some(windows))
+    }
+
+    fn looked(&self, windows: Option<&[&[Window]]>) -> Graph {
+        match &self.strips {
+            Some(strips) => swept((&self.lattice, Arc::clone(&self.tiles)), strips, windows),
+            None => pairwise_graph(&self.lattice, &self.obstacles),
+        }
+    }
+
+    /// The graph of another layout, from this one's: equal to that of its own, bit for bit.
+    pub fn changed(&self, graph: &Graph, obstacles: &Obstacles) -> Graph {
+        let windows = self.windows_to(obstacles);
+        let few = CHANGED_SHARE * self.obstacles.segments.len() as f64;
+        let then = self.other(obstacles.clone());
+        if windows.len() as f64 > few { then.graph() } else { self.seen_otherwise(graph, &then, &windows) }
+    }
+
+    /// [`changed`](Self::changed), however much differs.
+    #[cfg(test)]
+    pub(super) fn changed_where(&self, graph: &Graph, obstacles: &Obstacles) -> Graph {
+        self.seen_otherwise(graph, &self.other(obstacles.clone()), &self.windows_to(obstacles))
+    }
+
+    fn seen_otherwise(&self, graph: &Graph, then: &Self, windows: &[Window]) -> Graph {
+        match (&self.strips, &then.strips) {
+            (Some(_), Some(_)) => graph.replaced(&self.through(&[windows]), &then.through(&[windows])),
+            _ => then.graph(),
+        }
+    }
+
+    /// What any line of sight meets that is free in one of two layouts and not in the other.
+    fn windows_to(&self, then: &Obstacles) -> Vec<Window> {
+        let mut windows = windows_between(&self.obstacles, then);
+        let covered = [&self.obstacles, then].map(|o| o.blind.iter().copied().collect::<BTreeSet<u32>>());
+        let centre = |v: &u32| vec![self.lattice.centre_um(*v as usize); 2];
+        windows.extend(covered[0].symmetric_difference(&covered[1]).map(centre));
+        windows
+    }
+}
+
+/// Where walls of one of two layouts stand and none of the other.
+fn windows_between(now: &Obstacles, then: &Obstacles) -> Vec<Window> {
+    let [before, after] = [now, then].map(|o| o.segments.iter().copied().map(lower_first).collect());
+    let (before, after): (BTreeSet<Segment>, BTreeSet<Segment>) = (before, after);
+    let gone = before.difference(&after);
+    let mut come: Vec<Segment> = after.difference(&before).copied().collect();
+    let mut out: Vec<Window> = Vec::new();
+    for whole in gone {
+        let (mut left, others): (Vec<Segment>, Vec<Segment>) =
+            come.into_iter().partition(|part| [part.a, part.b].iter().all(|p| is_on(*whole, *p)));
+        come = others;
+        left.sort_unstable();
+        let mut from = whole.a;
+        for part in left {
+            out.extend((from < part.a).then(|| vec![from, part.a]));
+            from = from.max(part.b);
+        }
+        out.extend((from < whole.b).then(|| vec![from, whole.b]));
+        out.extend((whole.a == whole.b).then(|| vec![whole.a, whole.b]));
+    }
+    out.extend(come.into_iter().map(|s| vec![s.a, s.b]));
+    out
+}
+
+fn lower_first(s: Segment) -> Segment {
+    if s.b < s.a { Segment { a: s.b, b: s.a } } else { s }
+}
+
+/// Whether a point lies on a segment.
+fn is_on(s: Segment, p: PointUm) -> bool {
+    let within = |k: usize| (s.a[k].min(s.b[k])..=s.a[k].max(s.b[k])).contains(&p[k]);
+    cross_um(s.a, s.b, p) == 0 && within(0) && within(1)
+}
