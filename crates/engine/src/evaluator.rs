@@ -1,6 +1,6 @@
 //! Evaluation of many layouts of one plan: what never moves is prepared once.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::geometry::Segment;
 
@@ -10,7 +10,7 @@ use super::gpu::Gpu;
 use super::gpu::forest::CardForest;
 use super::graph::Graph;
 use super::sampled::Sample;
-use super::visibility::{visibility_graph, visibility_graph_serial};
+use super::visibility::{Vista, visibility_graph, visibility_graph_serial};
 use super::{Lattice, Obstacles, Tally};
 
 /// Evaluates layouts that share a lattice and the walls that do not move; share it between threads
@@ -28,6 +28,10 @@ pub struct Evaluator {
     initial: Tally,
     initial_components: Vec<u32>,
     initial_edges: u64,
+    /// What moves, in the initial layout.
+    initial_moving: Obstacles,
+    /// The initial layout, which others that are measured from scratch are compared with.
+    present: OnceLock<(Vista, Graph)>,
     /// Whose trees alone are walked; none: everyone's.
     sample: Option<Sample>,
     card: Option<CardForest>,
@@ -35,7 +39,6 @@ pub struct Evaluator {
 
 /// Buffers of one thread.
 pub struct Scratch {
-    obstacles: Obstacles,
     dense: DenseScratch,
 }
 
@@ -43,7 +46,7 @@ impl Evaluator {
     /// `fixed` blocks sight in every layout; `initial_moving` is the rest of the initial layout,
     /// against which cut-off vertices are counted.
     pub fn new(lattice: Arc<Lattice>, fixed: &[Segment], initial_moving: &Obstacles) -> Self {
-        let mut scratch = Scratch { obstacles: Obstacles::default(), dense: DenseScratch::default() };
+        let mut scratch = Scratch { dense: DenseScratch::default() };
         let (mut dense, mut broad) = (None, None);
         // What nothing is prepared for needs no graph, which may be large.
         if Broad::fits(&lattice) {
@@ -61,7 +64,8 @@ impl Evaluator {
     /// An evaluator for few layouts, which are measured from scratch: to prepare takes as long as some dozens of them.
     pub fn unprepared(lattice: Arc<Lattice>, fixed: &[Segment], initial_moving: &Obstacles) -> Self {
         let mut new = Self::bare(lattice, fixed);
-        new.begin(initial_moving, None);
+        let graph = new.begin(initial_moving, None);
+        new.present = (new.vista(), graph).into();
         new
     }
 
@@ -86,22 +90,44 @@ impl Evaluator {
             initial: Tally::default(),
             initial_components: Vec::new(),
             initial_edges: 0,
+            initial_moving: Obstacles::default(),
+            present: OnceLock::new(),
             sample: None,
             card: None,
         }
     }
 
-    /// Measures the initial layout.
-    fn begin(&mut self, moving: &Obstacles, roots: Option<(usize, u64)>) {
-        let mut scratch = self.scratch();
-        self.fill(moving, &mut scratch);
-        let graph = visibility_graph(&self.lattice, &scratch.obstacles);
+    /// Measures the initial layout; its graph.
+    fn begin(&mut self, moving: &Obstacles, roots: Option<(usize, u64)>) -> Graph {
+        self.initial_moving = moving.clone();
+        let graph = visibility_graph(&self.lattice, &self.whole(moving));
         self.initial_components = graph.components();
         self.initial_edges = graph.edge_count();
         let draw =
             |(roots, seed)| Sample::draw(&self.lattice, &self.initial_components, &moving.blind, roots, seed);
         self.sample = roots.map(draw);
         self.initial = self.tally(&graph, moving);
+        graph
+    }
+
+    /// The initial layout to look at.
+    fn vista(&self) -> Vista {
+        Vista::new(Arc::clone(&self.lattice), self.whole(&self.initial_moving))
+    }
+
+    /// The initial layout, and who sees whom in it; made when first asked for.
+    pub fn present(&self) -> &(Vista, Graph) {
+        self.present.get_or_init(|| {
+            let vista = self.vista();
+            let graph = vista.graph();
+            (vista, graph)
+        })
+    }
+
+    /// The tally of any layout, whatever walls it has, those that never move in others too: at the cost of what it changes.
+    pub fn evaluate_walls(&self, obstacles: &Obstacles) -> Tally {
+        let (vista, graph) = self.present();
+        self.tally(&vista.changed(graph, obstacles), obstacles)
     }
 
     fn tally(&self, graph: &Graph, moving: &Obstacles) -> Tally {
@@ -122,7 +148,7 @@ impl Evaluator {
 
     /// Buffers for one thread.
     pub fn scratch(&self) -> Scratch {
-        Scratch { obstacles: Obstacles::default(), dense: DenseScratch::default() }
+        Scratch { dense: DenseScratch::default() }
     }
 
     /// Whose trees are walked, where not everyone's are.
@@ -178,18 +204,19 @@ impl Evaluator {
     fn evaluate_whole(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
         let shaded = self.broad.as_ref().and_then(|broad| broad.graph(moving, &mut scratch.dense));
         let graph = shaded.unwrap_or_else(|| {
-            self.fill(moving, scratch);
-            visibility_graph_serial(&self.lattice, &scratch.obstacles)
+            let obstacles = self.whole(moving);
+            match self.present.get() {
+                Some((vista, graph)) => vista.changed(graph, &obstacles),
+                None => visibility_graph_serial(&self.lattice, &obstacles),
+            }
         });
         self.tally(&graph, moving)
     }
 
-    fn fill(&self, moving: &Obstacles, scratch: &mut Scratch) {
-        let all = &mut scratch.obstacles;
-        all.segments.clear();
-        all.segments.extend_from_slice(&self.fixed);
-        all.segments.extend_from_slice(&moving.segments);
-        all.blind.clone_from(&moving.blind);
+    /// All that stops sight where this moves.
+    fn whole(&self, moving: &Obstacles) -> Obstacles {
+        let segments = [&self.fixed[..], &moving.segments].concat();
+        Obstacles { segments, blind: moving.blind.clone() }
     }
 }
 
@@ -256,9 +283,12 @@ mod tests {
             prop_assert!(evaluator.dense.is_some());
             let mut scratch = evaluator.scratch();
             prop_assert_eq!(&evaluator.evaluate(&initial, &mut scratch), evaluator.initial());
+            let unprepared = Evaluator::unprepared(Arc::clone(&evaluator.lattice), &fixed, &initial);
             for (segments, blind) in layouts {
                 let moving = Obstacles { segments: wide(segments), blind };
                 let whole = evaluator.evaluate_whole(&moving, &mut evaluator.scratch());
+                prop_assert_eq!(&unprepared.evaluate(&moving, &mut unprepared.scratch()), &whole);
+                prop_assert_eq!(&evaluator.evaluate_walls(&evaluator.whole(&moving)), &whole);
                 for path in Path::available() {
                     evaluator.dense.iter_mut().for_each(|dense| dense.path = path);
                     prop_assert_eq!(&evaluator.evaluate(&moving, &mut scratch), &whole, "{:?}", path);

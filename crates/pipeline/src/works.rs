@@ -27,12 +27,12 @@ use crate::understand::rooms::{Room as KnownRoom, rooms_with_kinds};
 use crate::understand::sensed::Sensed;
 use crate::write::show;
 use enfilade_config::Settings;
+use enfilade_engine::Lattice;
 use enfilade_engine::forest::tally;
 use enfilade_engine::geometry::{Segment, UM_PER_M};
 use enfilade_engine::graph::Graph;
 use enfilade_engine::measures::mean_depth;
-use enfilade_engine::visibility::visibility_graph;
-use enfilade_engine::{Lattice, Obstacles};
+use enfilade_engine::visibility::Vista;
 use enfilade_overlay::built::Effort;
 use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
 use enfilade_overlay::result::{self, FrontPoint, Interval, Objective};
@@ -126,7 +126,7 @@ pub(crate) struct Floor {
     rooms: Vec<Room>,
     walls: Vec<Wall>,
     kept_m: Vec<Vec<[f64; 2]>>,
-    obstacles: Obstacles,
+    vista: Vista,
     graph: Graph,
     room_of: Vec<Option<RoomId>>,
     is_query: Vec<bool>,
@@ -141,10 +141,10 @@ impl Floor {
         let known = rooms_with_kinds(base, &sensed, settings)?;
         let rooms: Vec<Room> = known.iter().map(room).collect();
         let walls = walls(&base.plan, &base.axes);
-        let obstacles = study.initial_obstacles();
+        let vista = Vista::new(Arc::clone(lattice), study.initial_obstacles());
         Ok(Self {
             kept_m: walls.iter().map(|w| kept_m(&base.plan, w)).collect(),
-            graph: visibility_graph(lattice, &obstacles),
+            graph: vista.graph(),
             room_of: rooms_of(lattice, &rooms),
             is_query: is_query(lattice),
             shut: doors_of_private(&sensed, &rooms),
@@ -152,7 +152,7 @@ impl Floor {
             known,
             rooms,
             walls,
-            obstacles,
+            vista,
         })
     }
 
@@ -160,7 +160,7 @@ impl Floor {
         let present = Present {
             plan: &study.base.plan,
             lattice: &study.lattice,
-            obstacles: &self.obstacles,
+            vista: &self.vista,
             graph: &self.graph,
             rooms: &self.rooms,
             room_of: &self.room_of,
@@ -411,12 +411,11 @@ fn confirmed(study: &Study, settings: &Settings, works: &[&Work]) -> BTreeMap<us
 
 /// The gain in visibility of each change on one lattice.
 fn on_one(on: &Study, changes: &[&Change]) -> Vec<f64> {
-    let obstacles = on.initial_obstacles();
-    let graph = visibility_graph(&on.lattice, &obstacles);
-    let now = degrees(&on.lattice, &graph).max(1) as f64;
+    let (vista, graph) = on.present();
+    let now = degrees(&on.lattice, graph).max(1) as f64;
     let is_query = is_query(&on.lattice);
     let gain = |c: &&Change| {
-        difference(&on.lattice, &obstacles, &graph, c).gained(&on.lattice, &is_query) as f64 / now
+        difference(vista, graph, c).gained(&on.lattice, &is_query) as f64 / now
     };
     changes.iter().map(gain).collect()
 }

@@ -8,7 +8,7 @@
 use enfilade_engine::forest::tally_of;
 use enfilade_engine::geometry::{PointUm, Segment, segments_touch};
 use enfilade_engine::graph::Graph;
-use enfilade_engine::visibility::{graph_through, visibility_graph};
+use enfilade_engine::visibility::{Vista, Window};
 use enfilade_engine::{Lattice, Obstacles};
 use enfilade_plan::Plan;
 
@@ -52,7 +52,7 @@ pub struct Present<'a> {
     /// Its cells.
     pub lattice: &'a Lattice,
     /// What stops sight.
-    pub obstacles: &'a Obstacles,
+    pub vista: &'a Vista,
     /// Who sees whom.
     pub graph: &'a Graph,
     /// Its rooms.
@@ -89,11 +89,7 @@ impl Present<'_> {
 
     /// The graph after a change.
     pub fn changed(&self, change: &Change) -> Graph {
-        let obstacles = Obstacles {
-            segments: change.apply(&self.obstacles.segments),
-            blind: self.obstacles.blind.clone(),
-        };
-        visibility_graph(self.lattice, &obstacles)
+        self.vista.changed(self.graph, &after(self.vista, change))
     }
 
     /// Everybody who sees somebody through a stretch of a wall once it is gone, and does not see him now.
@@ -109,7 +105,7 @@ impl Present<'_> {
 
     /// Who sees whom after a change and does not now, and the other way round.
     pub fn difference(&self, change: &Change) -> Difference {
-        difference(self.lattice, self.obstacles, self.graph, change)
+        difference(self.vista, self.graph, change)
     }
 
     /// What a change adds to [`Self::degrees`].
@@ -145,26 +141,68 @@ impl Difference {
     }
 }
 
+/// What stops sight after a change.
+fn after(now: &Vista, change: &Change) -> Obstacles {
+    let Obstacles { segments, blind } = now.obstacles();
+    Obstacles { segments: change.apply(segments), blind: blind.clone() }
+}
+
 /// What a change does to who sees whom on a lattice, at the cost of the view through it: what is gained is seen through what
 /// is demolished, what is lost is hidden by what is built.
-pub fn difference(lattice: &Lattice, now: &Obstacles, graph: &Graph, change: &Change) -> Difference {
+pub fn difference(now: &Vista, graph: &Graph, change: &Change) -> Difference {
     let mut out = Difference::default();
-    let then = Obstacles { segments: change.apply(&now.segments), blind: now.blind.clone() };
     if !change.demolished.is_empty() {
-        let windows: Vec<Vec<PointUm>> = change.demolished.iter().map(|q| q.to_vec()).collect();
-        out.seen = graph_through(lattice, &then, &windows).beyond(graph);
+        out.seen = now.other(after(now, change)).through(&[&holes(change)]).beyond(graph);
     }
     if !change.built.is_empty() {
-        let windows: Vec<Vec<PointUm>> = change.built.iter().map(|s| vec![s.a, s.b]).collect();
-        let [before, after] = [now, &then].map(|of| graph_through(lattice, of, &windows));
-        // Both hold more than what meets a window, and not the same of it.
-        out.hidden = before.beyond(&after);
-        out.hidden.retain(|&[u, v]| {
-            let [a, b] = [u, v].map(|x| lattice.centre_um(x as usize));
-            change.built.iter().any(|s| segments_touch(*s, Segment { a, b }))
-        });
+        let lattice = now.lattice();
+        let through = now.through(&[&fillings(change)]);
+        for u in 0..through.len() as u32 {
+            through.for_each_neighbour(u, |v| {
+                let [a, b] = [u, v].map(|x| lattice.centre_um(x as usize));
+                if u < v && change.built.iter().any(|s| segments_touch(*s, Segment { a, b })) {
+                    out.hidden.push([u, v]);
+                }
+            });
+        }
     }
     out
+}
+
+fn holes(change: &Change) -> Vec<Window> {
+    change.demolished.iter().map(|q| q.to_vec()).collect()
+}
+
+fn fillings(change: &Change) -> Vec<Window> {
+    change.built.iter().map(|s| vec![s.a, s.b]).collect()
+}
+
+/// How much more two changes add to the sum of degrees together than each alone: nobody but who looks through both can tell.
+pub fn more_together(now: &Vista, is_query: &[bool], changes: [&Change; 2]) -> i64 {
+    let windows = changes.map(|c| [holes(c), fillings(c)].concat());
+    let windows = windows.each_ref().map(Vec::as_slice);
+    // Where nobody looks through both with both taken down and nothing built, nobody does otherwise.
+    let both = changes[0].clone().and(changes[1]);
+    let bare = Change { demolished: both.demolished.clone(), built: Vec::new() };
+    if now.other(after(now, &bare)).through(&windows).edge_count() == 0 {
+        return 0;
+    }
+    let sum = |of: &Vista| pairs_seen(of.lattice(), &of.through(&windows), is_query);
+    let with = |change: &Change| sum(&now.other(after(now, change)));
+    sum(now) + with(&both) - with(changes[0]) - with(changes[1])
+}
+
+/// Ordered pairs of a vertex of query and one of reference that see each other in a part of a graph.
+fn pairs_seen(lattice: &Lattice, graph: &Graph, is_query: &[bool]) -> i64 {
+    let mut sum = 0;
+    for u in 0..graph.len() as u32 {
+        graph.for_each_neighbour(u, |v| {
+            if u < v {
+                sum += i64::from(weight(lattice, is_query, u, v));
+            }
+        });
+    }
+    sum
 }
 
 /// How many of the two ways round a pair is one of a vertex of query and one of reference: 0 to 2.

@@ -4,7 +4,7 @@
 
 use enfilade_cad::drawing::Drawing;
 use enfilade_engine::geometry::Segment;
-use enfilade_engine::visibility::visibility_graph;
+use enfilade_engine::visibility::{Vista, visibility_graph};
 use enfilade_engine::{Lattice, Obstacles};
 use enfilade_fixtures::{Draw, empty};
 use enfilade_plan::axes::AxisGraph;
@@ -78,12 +78,13 @@ fn every_opening_gains_what_it_is_counted_for() {
     let (lattice, rooms) =
         (lattice(), [room([0.0, 5.95], RoomKind::Living), room([6.05, 10.0], RoomKind::Kitchen)]);
     let obstacles = Obstacles { segments: segments.clone(), blind: Vec::new() };
-    let graph = visibility_graph(&lattice, &obstacles);
+    let vista = Vista::new(lattice.clone().into(), obstacles);
+    let graph = vista.graph();
     let (room_of, is_query) = (rooms_of(&lattice, &rooms), vec![true; lattice.cells.len()]);
     let present = Present {
         plan: &plan,
         lattice: &lattice,
-        obstacles: &obstacles,
+        vista: &vista,
         graph: &graph,
         rooms: &rooms,
         room_of: &room_of,
@@ -131,12 +132,13 @@ fn found_where(rooms: &[Room], mark: Option<&str>) -> Works {
     let segments: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
     let lattice = lattice();
     let obstacles = Obstacles { segments: segments.clone(), blind: Vec::new() };
-    let graph = visibility_graph(&lattice, &obstacles);
+    let vista = Vista::new(lattice.clone().into(), obstacles);
+    let graph = vista.graph();
     let (room_of, is_query) = (rooms_of(&lattice, rooms), vec![true; lattice.cells.len()]);
     let present = Present {
         plan: &plan,
         lattice: &lattice,
-        obstacles: &obstacles,
+        vista: &vista,
         graph: &graph,
         rooms,
         room_of: &room_of,

@@ -61,7 +61,7 @@ impl Shape {
 pub struct CardForest {
     gpu: Arc<Gpu>,
     lattice: Arc<Lattice>,
-    tiles: Tiles,
+    tiles: Arc<Tiles>,
     middle_um: PointUm,
     shape: Shape,
     centres: Buffer,
@@ -118,7 +118,7 @@ impl CardForest {
         initial_components: Option<&[u32]>,
         shape: Shape,
     ) -> Result<Self, String> {
-        let tiles = Tiles::new(&lattice);
+        let tiles = Arc::new(Tiles::new(&lattice));
         let (middle_um, centres) = local_centres(&lattice, &tiles)?;
         let region = region_words(&lattice, &tiles, initial_components);
         let mut new = Self {
@@ -173,7 +173,7 @@ impl CardForest {
             let bits = self.gpu.read(&staging, n)?;
             chunks.push(row_chunk(&self.tiles, bits.chunks_exact(words)));
         }
-        Ok(Graph::from_chunks(self.tiles.clone(), chunks))
+        Ok(Graph::from_chunks(Arc::clone(&self.tiles), chunks))
     }
 
     fn base_of(&self, fixed: &[Segment]) -> Result<Vec<Buffer>, String> {

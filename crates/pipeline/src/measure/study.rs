@@ -19,7 +19,7 @@ use enfilade_config::{Aggregate, Aim, Measure, PairName, Settings};
 use enfilade_engine::geometry::{PointUm, UM_PER_M};
 use enfilade_engine::gpu::Gpu;
 use enfilade_engine::lattice::{CellIndex, Ground};
-use enfilade_engine::visibility::{Graph, visibility_graph};
+use enfilade_engine::visibility::{Graph, Vista, visibility_graph};
 use enfilade_engine::{Lattice, Obstacles};
 use enfilade_moves::Layout;
 use enfilade_penalties::{Alignment, Clearance, Overlap, Passage, RoomArea, WallLength, WallPiece};
@@ -286,6 +286,11 @@ impl Study {
     pub fn initial_obstacles(&self) -> Obstacles {
         let identity = self.base.moves.apply(&self.base.plan, &self.base.graph, &self.base.moves.identity());
         self.obstacles(&identity, &self.looks[0].main.cells)
+    }
+
+    /// The present layout on the first lattice, and who sees whom in it.
+    pub(crate) fn present(&self) -> &(Vista, Graph) {
+        self.looks[0].main.evaluator.present()
     }
 
     /// What blocks sight in a layout, all walls together, and which of some cells it covers.

@@ -15,10 +15,8 @@ use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::Shape;
 use enfilade_config::Settings;
 use enfilade_engine::Obstacles;
-use enfilade_engine::forest::{Initial, tally};
 use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
 use enfilade_engine::lattice::CellIndex;
-use enfilade_engine::visibility::visibility_graph;
 use enfilade_moves::{Layout, MovedWall};
 use enfilade_plan::{Plan, PlanOptions, understand};
 use enfilade_report::{Error, Place, Report, counted};
@@ -94,9 +92,7 @@ impl Study {
     ) -> Vec<SeenOn> {
         let seen = |scene: &Scene| -> Seen {
             let obstacles = Obstacles { segments: segments.to_vec(), blind: covered(scene) };
-            let graph = visibility_graph(&scene.lattice, &obstacles);
-            let initial = Initial { components: &scene.components, covered: &obstacles.blind };
-            let tally = tally(&scene.lattice, &graph, Some(initial));
+            let tally = scene.evaluator.evaluate_walls(&obstacles);
             scene.seen(tally, &obstacles.blind, || obstacles.clone())
         };
         let of = |look: &Look| SeenOn {

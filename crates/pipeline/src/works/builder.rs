@@ -23,7 +23,7 @@ use enfilade_report::{Cancel, Error, Place, Report};
 use enfilade_works::{Work, WorkKind};
 use glam::DVec2;
 use rayon::prelude::*;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Single works that are measured in all that is asked for, the best of each pair of rooms: for speed alone.
 const SINGLES: usize = 12;
@@ -179,7 +179,9 @@ impl<'a> Builder<'a> {
         let places = |of: Vec<&WorkEntry>| of.iter().map(|e| e.id - 1).collect::<Vec<_>>();
         let (among, gaining) = (places(result.different_of(BEST, may)), places(result.gaining(may)));
         let site = self.floor().site(self.judges.study);
-        let sets = Sets { site: &site, works: &self.listed.found, budget: self.job.settings.budget };
+        let works = &self.listed.found;
+        let alone: Vec<OnceLock<i64>> = works.iter().map(|_| OnceLock::new()).collect();
+        let sets = Sets { site: &site, works, budget: self.job.settings.budget, alone: &alone };
         let all = in_sizes(&sets, (&among, &gaining), cancel)?;
         let is_whole = |w: &usize| self.work(*w).kind == WorkKind::Remove && !among.contains(w);
         let small = all.iter().filter(|s| !s.works.iter().any(is_whole)).cloned();

@@ -16,7 +16,6 @@ use enfilade_cad::drawing::{Edit, EntityWork, Format, Shape};
 use enfilade_config::{Settings, WorkTable};
 use enfilade_engine::Obstacles;
 use enfilade_engine::geometry::Segment;
-use enfilade_engine::visibility::visibility_graph;
 use enfilade_moves::Layout;
 use enfilade_overlay::built::OptionWork;
 use enfilade_overlay::works::LEAST_SHOWN;
@@ -218,10 +217,11 @@ impl Together {
     /// Gains in sight over the cells of the layout before: of what is meant, and of the file read again.
     fn gains(&self, (study, floor): (&Study, &Floor)) -> [f64; 2] {
         let sights = |segments: &[Segment]| {
-            let obstacles = Obstacles { segments: segments.to_vec(), blind: floor.obstacles.blind.clone() };
-            degrees(&study.lattice, &visibility_graph(&study.lattice, &obstacles)) as f64
+            let blind = floor.vista.obstacles().blind.clone();
+            let obstacles = Obstacles { segments: segments.to_vec(), blind };
+            degrees(&study.lattice, &floor.vista.changed(&floor.graph, &obstacles)) as f64
         };
-        let before = sights(&floor.obstacles.segments).max(1.0);
+        let before = (degrees(&study.lattice, &floor.graph) as f64).max(1.0);
         [&self.meant, &self.lines].map(|segments| sights(segments) / before - 1.0)
     }
 }

@@ -1,18 +1,16 @@
 //! Sets of works that are made together: each work alone, all pairs of the best, longer ones by beam.
 //!
-//! What a set shows is counted exactly: what is seen through one work more is looked at in the layout that has the others.
+//! What a set shows is counted exactly: what each shows alone, and what is seen through two of them, as often as there are two.
 //! Two openings in line show more than both alone, and two into one room less.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
 use enfilade_config::Budget;
-use enfilade_engine::Obstacles;
-use enfilade_engine::graph::Graph;
-use enfilade_engine::visibility::visibility_graph;
 use enfilade_report::{Cancel, Error};
-use enfilade_works::counts::{Present, Shows};
+use enfilade_works::counts::{Shows, more_together};
 use enfilade_works::{Change, RoomId, Site, Work};
 
 /// Works of which all pairs are counted, the best of each pair of rooms: what a longer list adds, nobody would build.
@@ -44,24 +42,8 @@ pub(super) struct Sets<'a> {
     pub works: &'a [Work],
     /// What they may cost together.
     pub budget: Budget,
-}
-
-/// The present layout with a change.
-struct Changed {
-    obstacles: Obstacles,
-    graph: Graph,
-}
-
-impl Changed {
-    fn of(present: &Present<'_>, change: &Change) -> Self {
-        let blind = present.obstacles.blind.clone();
-        let obstacles = Obstacles { segments: change.apply(&present.obstacles.segments), blind };
-        Self { graph: visibility_graph(present.lattice, &obstacles), obstacles }
-    }
-
-    fn present<'a>(&'a self, before: &Present<'a>) -> Present<'a> {
-        Present { obstacles: &self.obstacles, graph: &self.graph, ..*before }
-    }
+    /// What each of them shows alone, counted as a whole once it is asked for.
+    pub alone: &'a [OnceLock<i64>],
 }
 
 impl Sets<'_> {
@@ -151,10 +133,13 @@ impl Sets<'_> {
         if more.is_empty() || cancel.check().is_err() {
             return Vec::new();
         }
-        let changed = Changed::of(&self.site.present, &self.change(&set.works));
-        let present = changed.present(&self.site.present);
+        let present = &self.site.present;
+        let before = self.change(&set.works);
         let together = |one: Counted| {
-            let added = present.gained(&present.difference(&self.works[one.works[0]].change));
+            let place = one.works[0];
+            let change = &self.works[place].change;
+            let alone = self.alone[place].get_or_init(|| present.gained(&present.difference(change)));
+            let added = alone + more_together(present.vista, present.is_query, [&before, change]);
             let mut works = [&set.works[..], &one.works].concat();
             works.sort_unstable();
             Counted { works, gained: set.gained + added, effort_m: set.effort_m + one.effort_m }

@@ -82,7 +82,7 @@ impl Finder<'_> {
             // A little off the face that it starts at.
             let start = at + towards * 0.01 * scale;
             let end = start + towards * LENGTH_M[1] * scale;
-            let hits = self.site.present.obstacles.segments.iter();
+            let hits = self.site.present.vista.obstacles().segments.iter();
             let share = hits
                 .filter_map(|s| crossing(plan.frame.um_from_plan(start), plan.frame.um_from_plan(end), *s));
             let nearest = share.fold(f64::INFINITY, f64::min);
