@@ -61,10 +61,16 @@ impl Evaluator {
         new
     }
 
-    /// An evaluator for few layouts, which are measured from scratch: to prepare takes as long as some dozens of them.
-    pub fn unprepared(lattice: Arc<Lattice>, fixed: &[Segment], initial_moving: &Obstacles) -> Self {
+    /// An evaluator for few layouts, which are measured by what they change: to prepare more takes as long as some dozens of
+    /// them. With trees of about so many roots, drawn by a seed, where that many are named.
+    pub fn unprepared(
+        lattice: Arc<Lattice>,
+        fixed: &[Segment],
+        initial_moving: &Obstacles,
+        roots: Option<(usize, u64)>,
+    ) -> Self {
         let mut new = Self::bare(lattice, fixed);
-        let graph = new.begin(initial_moving, None);
+        let graph = new.begin(initial_moving, roots);
         new.present = (new.vista(), graph).into();
         new
     }
@@ -283,7 +289,7 @@ mod tests {
             prop_assert!(evaluator.dense.is_some());
             let mut scratch = evaluator.scratch();
             prop_assert_eq!(&evaluator.evaluate(&initial, &mut scratch), evaluator.initial());
-            let unprepared = Evaluator::unprepared(Arc::clone(&evaluator.lattice), &fixed, &initial);
+            let unprepared = Evaluator::unprepared(Arc::clone(&evaluator.lattice), &fixed, &initial, None);
             for (segments, blind) in layouts {
                 let moving = Obstacles { segments: wide(segments), blind };
                 let whole = evaluator.evaluate_whole(&moving, &mut evaluator.scratch());

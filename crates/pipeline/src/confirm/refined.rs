@@ -301,7 +301,7 @@ fn experiences(brief: &Brief<'_>, points: &[Point]) -> Vec<Experience> {
 fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Member> {
     let Brief { study, settings, objectives, .. } = brief;
     let vectors: Vec<Vec<f64>> = pool.iter().map(|m| m.parameters.clone()).collect();
-    let use_for = if pool.len() < PREPARED { Use::Few } else { Use::Search };
+    let use_for = if pool.len() < PREPARED { Use::Few(None) } else { Use::Search };
     let others = study.on_lattices(settings, &lattices::ranked(study, settings), use_for);
     let on = others.as_ref().unwrap_or(study);
     let is_allowed = |on: &Study, worth: &Worth| evaluation(on, settings, objectives, worth).violation == 0.0;

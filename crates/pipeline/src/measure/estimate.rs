@@ -87,7 +87,7 @@ fn values(study: &Study, settings: &Settings, at: &[LatticeAt]) -> Vec<Option<Sa
     }
     let on: Vec<Study> = at
         .iter()
-        .filter_map(|at| study.on_lattices(settings, std::slice::from_ref(at), Use::Few).ok())
+        .filter_map(|at| study.on_lattices(settings, std::slice::from_ref(at), Use::Few(None)).ok())
         .collect();
     let of = |aim: &Aim| Sampled::of(on.iter().map(|on| on.mean_of_cells(*aim)).collect());
     aims(study).iter().map(of).collect()

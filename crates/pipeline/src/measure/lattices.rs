@@ -12,7 +12,7 @@ use crate::measure::look::LatticeAt;
 use crate::measure::seen::Use;
 use crate::measure::spacing::DOOR_SPACING_M;
 use crate::measure::study::Study;
-use enfilade_config::Settings;
+use enfilade_config::{Aggregate, Settings};
 use enfilade_engine::geometry::UM_PER_M;
 
 /// Lattices of a search, √2 times as wide as the one that is shown: together they cost what that one costs. Where doors keep
@@ -24,6 +24,9 @@ const SEARCHED_LEAST: u32 = 2;
 const RANKED: u32 = 8;
 /// Lattices on which gains are confirmed, coarse and fine: a fine one costs sixteen coarse ones and varies half as much.
 const CONFIRMING: [u32; 2] = [12, 4];
+/// Roots of trees on each of them: together some thousands, which all layouts share. What they add to an interval is a
+/// few hundredths of its width (`BENCHMARKS.md`).
+const CONFIRMING_ROOTS: [usize; 2] = [512, 1024];
 /// The finer lattices that gains are confirmed on have no more vertices, unless the one shown has.
 const VERTICES_MAX: f64 = 20_000.0;
 
@@ -60,8 +63,18 @@ pub(crate) fn ranked(study: &Study, settings: &Settings) -> Vec<LatticeAt> {
 /// made once a study, by the settings of its round: what a round confirms, it confirms on the same.
 pub(crate) fn confirming<'s>(study: &'s Study, settings: &Settings) -> &'s [Vec<Study>; 2] {
     if study.confirming.get().is_none() {
-        let on = |at: &LatticeAt| study.on_lattices(settings, &[*at], Use::Few).ok();
-        let made = confirmed_at(study, settings).map(|all| all.par_iter().filter_map(on).collect());
+        let is_mean = study.aims.iter().all(|a| a.aggregate == Aggregate::Mean);
+        let on = |(at, roots): (&LatticeAt, usize)| {
+            // Every lattice has roots of its own, and the layouts on it the same.
+            let [x, y] = at.centre_um.map(|v| v as u64);
+            let seed = settings.seed ^ x.rotate_left(20) ^ y.rotate_left(42);
+            study.on_lattices(settings, &[*at], Use::Few(is_mean.then_some((roots, seed)))).ok()
+        };
+        let made = |(all, roots): (Vec<LatticeAt>, usize)| {
+            all.par_iter().map(|at| (at, roots)).filter_map(on).collect()
+        };
+        let [coarse, fine] = confirmed_at(study, settings);
+        let made = [(coarse, CONFIRMING_ROOTS[0]), (fine, CONFIRMING_ROOTS[1])].map(made);
         // Whoever was first made the same.
         drop(study.confirming.set(made));
     }

@@ -132,7 +132,10 @@ impl Scene {
                 Evaluator::sampled(Arc::clone(&lattice), ground.fixed, &moving, (roots, seed))
             }
             Use::Search => Evaluator::new(Arc::clone(&lattice), ground.fixed, &moving),
-            Use::Few => Evaluator::unprepared(Arc::clone(&lattice), ground.fixed, &moving),
+            Use::Few(roots) => {
+                let roots = roots.filter(|(most, _)| *most < lattice.query.len());
+                Evaluator::unprepared(Arc::clone(&lattice), ground.fixed, &moving, roots)
+            }
         };
         let (edges, components) = (evaluator.initial_edges(), evaluator.initial_components().to_vec());
         Ok(Self { lattice, cells, components, evaluator, edges, asked })
@@ -196,8 +199,8 @@ impl Scene {
 pub enum Use {
     /// The present layout alone, by breadth-first trees of about so many roots, drawn by a seed.
     Roots(usize, u64),
-    /// Few layouts: nothing is prepared.
-    Few,
+    /// Few layouts: nothing is prepared. By trees of about so many roots, drawn by a seed; none: of all.
+    Few(Option<(usize, u64)>),
     /// Many layouts.
     Search,
 }
