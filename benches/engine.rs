@@ -339,7 +339,7 @@ fn evaluation_row() {
     };
     let gallery = Gallery::read(&text);
     let lattice = Arc::new(gallery.lattice());
-    let evaluator = Evaluator::new(lattice.clone(), &gallery.fixed, &gallery.layout(0));
+    let evaluator = Evaluator::new(lattice.clone(), &gallery.fixed, &gallery.layout(0), None);
     let means = measures::means(evaluator.initial(), 0);
     // The reference values of the drawing as it is.
     assert!((means.degree - 5.397260273972603).abs() < 1e-12, "{means:?}");

@@ -66,7 +66,7 @@ fn population_row(gpu: &Arc<Gpu>, layouts: u32) {
         };
         Obstacles { segments: moving.iter().enumerate().map(shift).collect(), blind: vec![] }
     };
-    let mut evaluator = Evaluator::new(Arc::new(lattice), &fixed, &layout(0));
+    let mut evaluator = Evaluator::new(Arc::new(lattice), &fixed, &layout(0), None);
     evaluator.attach(Arc::clone(gpu), &layout(0), layouts).expect("a plan that fits");
     let population: Vec<Obstacles> = (0..layouts).map(layout).collect();
     let mut scratch = evaluator.scratch();

@@ -113,7 +113,7 @@ impl PlanProblem {
             LatticeAt { spacing_um, centre_um: [turn(i), turn(3 * i)] }
         };
         let lattices: Vec<LatticeAt> = (0..LATTICES).map(at).collect();
-        let trial = study.on_lattices(&settings, &lattices, Use::Search).unwrap();
+        let trial = study.on_lattices(&settings, &lattices, Use::Search(None)).unwrap();
         let moves = &study.base.moves;
         let (bounds, start) = (moves.bounds(), moves.identity());
         let seen = seen(&Arc::new(study));

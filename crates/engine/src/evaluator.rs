@@ -44,8 +44,14 @@ pub struct Scratch {
 
 impl Evaluator {
     /// `fixed` blocks sight in every layout; `initial_moving` is the rest of the initial layout,
-    /// against which cut-off vertices are counted.
-    pub fn new(lattice: Arc<Lattice>, fixed: &[Segment], initial_moving: &Obstacles) -> Self {
+    /// against which cut-off vertices are counted. With trees of about so many roots, drawn by a seed, where that many are
+    /// named and the rows are not dense: there all trees take less than the rows.
+    pub fn new(
+        lattice: Arc<Lattice>,
+        fixed: &[Segment],
+        initial_moving: &Obstacles,
+        roots: Option<(usize, u64)>,
+    ) -> Self {
         let mut scratch = Scratch { dense: DenseScratch::default() };
         let (mut dense, mut broad) = (None, None);
         // What nothing is prepared for needs no graph, which may be large.
@@ -56,8 +62,9 @@ impl Evaluator {
             broad = if dense.is_none() { Broad::new(&lattice, &under_fixed) } else { None };
         }
         let dense = dense.and_then(|mut d| d.set_initial(initial_moving, &mut scratch.dense).then_some(d));
+        let roots = roots.filter(|_| dense.is_none());
         let mut new = Self { dense, broad, ..Self::bare(lattice, fixed) };
-        new.begin(initial_moving, None);
+        new.begin(initial_moving, roots);
         new
     }
 
@@ -191,7 +198,7 @@ impl Evaluator {
         let components = Some(self.initial_components.as_slice());
         let card = CardForest::new(gpu, Arc::clone(&self.lattice), &self.fixed, components, layouts)?;
         let found = card.tallies(std::slice::from_ref(initial_moving))?;
-        if found != [self.initial.clone()] {
+        if found.into_iter().map(|t| self.of_roots(t)).ne([self.initial.clone()]) {
             return Err(format!("{} measures the present layout differently", card.gpu().name()));
         }
         self.card = Some(card);
@@ -204,7 +211,27 @@ impl Evaluator {
     /// # Errors
     /// Why the card failed; the cores can still do it.
     pub fn evaluate_on_card(&self, layouts: &[Obstacles]) -> Option<Result<Vec<Tally>, String>> {
-        self.card.as_ref().map(|card| card.tallies(layouts))
+        let tallies = |card: &CardForest| {
+            let all = card.tallies(layouts)?;
+            Ok(all.into_iter().map(|t| self.of_roots(t)).collect())
+        };
+        self.card.as_ref().map(tallies)
+    }
+
+    /// A tally of all trees, with those alone that are walked here.
+    fn of_roots(&self, mut tally: Tally) -> Tally {
+        let Some(sample) = &self.sample else { return tally };
+        let all = std::mem::take(&mut tally.levels);
+        let mut at = 0;
+        for (i, depth) in tally.depth.iter_mut().enumerate() {
+            let own = &all[at..at + *depth as usize];
+            at += own.len();
+            match sample.places.binary_search(&(i as u32)) {
+                Ok(_) => tally.levels.extend(own),
+                Err(_) => *depth = 0,
+            }
+        }
+        tally
     }
 
     fn evaluate_whole(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
@@ -285,7 +312,7 @@ mod tests {
             });
             let lattice = Arc::new(lattice);
             let initial = Obstacles { segments: initial, blind: vec![] };
-            let mut evaluator = Evaluator::new(lattice, &fixed, &initial);
+            let mut evaluator = Evaluator::new(lattice, &fixed, &initial, None);
             prop_assert!(evaluator.dense.is_some());
             let mut scratch = evaluator.scratch();
             prop_assert_eq!(&evaluator.evaluate(&initial, &mut scratch), evaluator.initial());
@@ -308,12 +335,12 @@ mod tests {
         let cells: Vec<[i32; 2]> = (0..65).flat_map(|c| (0..65).map(move |r| [c, r])).collect();
         let lattice = Arc::new(fixtures::lattice(10, [0, 0], cells));
         let wall = |x: i64| Obstacles { segments: vec![Segment { a: [x, -5], b: [x, 655] }], blind: vec![] };
-        let evaluator = Evaluator::new(lattice.clone(), &[], &wall(55));
+        let evaluator = Evaluator::new(lattice.clone(), &[], &wall(55), None);
         assert!(evaluator.dense.is_none());
         let tally = evaluator.evaluate(&wall(66), &mut evaluator.scratch());
         assert_eq!(tally.degree.len(), lattice.cells.len());
         let small = Arc::new(fixtures::lattice(10, [0, 0], vec![[0, 0], [3, 0], [0, 4]]));
-        let evaluator = Evaluator::new(small, &[], &wall(55));
+        let evaluator = Evaluator::new(small, &[], &wall(55), None);
         let far =
             Obstacles { segments: vec![Segment { a: [-(1 << 60), 5], b: [1 << 60, 5] }], blind: vec![] };
         let tally = evaluator.evaluate(&far, &mut evaluator.scratch());

@@ -414,9 +414,7 @@ fn on_one(on: &Study, changes: &[&Change]) -> Vec<f64> {
     let (vista, graph) = on.present();
     let now = degrees(&on.lattice, graph).max(1) as f64;
     let is_query = is_query(&on.lattice);
-    let gain = |c: &&Change| {
-        difference(vista, graph, c).gained(&on.lattice, &is_query) as f64 / now
-    };
+    let gain = |c: &&Change| difference(vista, graph, c).gained(&on.lattice, &is_query) as f64 / now;
     changes.iter().map(gain).collect()
 }
 

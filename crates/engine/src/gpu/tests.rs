@@ -204,7 +204,7 @@ fn a_population_equals_the_cores() {
         ],
         blind: if k % 3 == 0 { vec![5, 77] } else { vec![] },
     };
-    let mut evaluator = Evaluator::new(Arc::new(lattice), &fixed, &layout(4));
+    let mut evaluator = Evaluator::new(Arc::new(lattice), &fixed, &layout(4), None);
     let layouts: Vec<Obstacles> = (0..9).map(layout).collect();
     let mut scratch = evaluator.scratch();
     let expected: Vec<_> = layouts.iter().map(|l| evaluator.evaluate(l, &mut scratch)).collect();

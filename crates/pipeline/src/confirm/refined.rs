@@ -292,7 +292,11 @@ pub(crate) fn without_each(brief: &Brief<'_>, point: &Point) -> Vec<Point> {
 fn experiences(brief: &Brief<'_>, points: &[Point]) -> Vec<Experience> {
     let Brief { study, settings, control, .. } = brief;
     let vectors: Vec<Vec<f64>> = points.iter().map(|p| control.expand(&p.parameters)).collect();
-    let coarse = study.on_lattices(settings, &lattices::searched(study, settings)[..1], Use::Search);
+    let coarse = study.on_lattices(
+        settings,
+        &lattices::searched(study, settings)[..1],
+        Use::Search(lattices::drawn(study, settings)),
+    );
     let on = coarse.as_ref().unwrap_or(study);
     on.measure_all(&vectors).iter().map(|worth| Experience::of(on, worth)).collect()
 }
@@ -301,7 +305,8 @@ fn experiences(brief: &Brief<'_>, points: &[Point]) -> Vec<Experience> {
 fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Member> {
     let Brief { study, settings, objectives, .. } = brief;
     let vectors: Vec<Vec<f64>> = pool.iter().map(|m| m.parameters.clone()).collect();
-    let use_for = if pool.len() < PREPARED { Use::Few(None) } else { Use::Search };
+    let drawn = lattices::drawn(study, settings);
+    let use_for = if pool.len() < PREPARED { Use::Few(drawn) } else { Use::Search(drawn) };
     let others = study.on_lattices(settings, &lattices::ranked(study, settings), use_for);
     let on = others.as_ref().unwrap_or(study);
     let is_allowed = |on: &Study, worth: &Worth| evaluation(on, settings, objectives, worth).violation == 0.0;

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::measure::look::LatticeAt;
-use crate::measure::seen::Use;
+use crate::measure::seen::{Drawn, Use};
 use crate::measure::spacing::DOOR_SPACING_M;
 use crate::measure::study::Study;
 use enfilade_config::{Aggregate, Settings};
@@ -24,11 +24,18 @@ const SEARCHED_LEAST: u32 = 2;
 const RANKED: u32 = 8;
 /// Lattices on which gains are confirmed, coarse and fine: a fine one costs sixteen coarse ones and varies half as much.
 const CONFIRMING: [u32; 2] = [12, 4];
-/// Roots of trees on each of them: together some thousands, which all layouts share. What they add to an interval is a
-/// few hundredths of its width (`BENCHMARKS.md`).
-const CONFIRMING_ROOTS: [usize; 2] = [512, 1024];
 /// The finer lattices that gains are confirmed on have no more vertices, unless the one shown has.
 const VERTICES_MAX: f64 = 20_000.0;
+
+/// Roots of trees on each lattice that layouts are compared on: of four lattices some thousands, the same for all layouts.
+/// What they add to a confirmed interval is a few hundredths of its width (`BENCHMARKS.md`).
+const ROOTS: usize = 1024;
+
+/// The roots of layouts that are compared by means over several lattices; all, where anything but a mean is asked for.
+pub(crate) fn drawn(study: &Study, settings: &Settings) -> Drawn {
+    let is_mean = study.aims.iter().all(|a| a.aggregate == Aggregate::Mean);
+    is_mean.then_some((ROOTS, settings.seed))
+}
 
 /// What lattices are for: each purpose has its own, so that nothing is confirmed where it was sought.
 #[derive(Clone, Copy)]
@@ -63,18 +70,8 @@ pub(crate) fn ranked(study: &Study, settings: &Settings) -> Vec<LatticeAt> {
 /// made once a study, by the settings of its round: what a round confirms, it confirms on the same.
 pub(crate) fn confirming<'s>(study: &'s Study, settings: &Settings) -> &'s [Vec<Study>; 2] {
     if study.confirming.get().is_none() {
-        let is_mean = study.aims.iter().all(|a| a.aggregate == Aggregate::Mean);
-        let on = |(at, roots): (&LatticeAt, usize)| {
-            // Every lattice has roots of its own, and the layouts on it the same.
-            let [x, y] = at.centre_um.map(|v| v as u64);
-            let seed = settings.seed ^ x.rotate_left(20) ^ y.rotate_left(42);
-            study.on_lattices(settings, &[*at], Use::Few(is_mean.then_some((roots, seed)))).ok()
-        };
-        let made = |(all, roots): (Vec<LatticeAt>, usize)| {
-            all.par_iter().map(|at| (at, roots)).filter_map(on).collect()
-        };
-        let [coarse, fine] = confirmed_at(study, settings);
-        let made = [(coarse, CONFIRMING_ROOTS[0]), (fine, CONFIRMING_ROOTS[1])].map(made);
+        let on = |at: &LatticeAt| study.on_lattices(settings, &[*at], Use::Few(drawn(study, settings))).ok();
+        let made = confirmed_at(study, settings).map(|all| all.par_iter().filter_map(on).collect());
         // Whoever was first made the same.
         drop(study.confirming.set(made));
     }
@@ -110,7 +107,8 @@ fn shifted(settings: &Settings, purpose: Purpose, spacing_m: f64, count: u32) ->
 
 /// The study on the lattices that layouts are searched on, on the same graphics card; none where these have no cells.
 pub(crate) fn trial(study: &Study, settings: &Settings) -> Option<Study> {
-    let mut trial = study.on_lattices(settings, &searched(study, settings), Use::Search).ok()?;
+    let use_for = Use::Search(drawn(study, settings));
+    let mut trial = study.on_lattices(settings, &searched(study, settings), use_for).ok()?;
     trial.share_card(study);
     Some(trial)
 }

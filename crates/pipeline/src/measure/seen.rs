@@ -131,10 +131,11 @@ impl Scene {
             Use::Roots(roots, seed) => {
                 Evaluator::sampled(Arc::clone(&lattice), ground.fixed, &moving, (roots, seed))
             }
-            Use::Search => Evaluator::new(Arc::clone(&lattice), ground.fixed, &moving),
+            Use::Search(roots) => {
+                Evaluator::new(Arc::clone(&lattice), ground.fixed, &moving, own_roots(&lattice, roots))
+            }
             Use::Few(roots) => {
-                let roots = roots.filter(|(most, _)| *most < lattice.query.len());
-                Evaluator::unprepared(Arc::clone(&lattice), ground.fixed, &moving, roots)
+                Evaluator::unprepared(Arc::clone(&lattice), ground.fixed, &moving, own_roots(&lattice, roots))
             }
         };
         let (edges, components) = (evaluator.initial_edges(), evaluator.initial_components().to_vec());
@@ -194,15 +195,25 @@ impl Scene {
     }
 }
 
+/// Roots drawn anew for every lattice, or their errors would not go out against each other; none where they are all.
+fn own_roots(lattice: &Lattice, drawn: Drawn) -> Drawn {
+    let [x, y] = lattice.origin_um.map(|v| v as u64);
+    let seed_of = |seed: u64| seed ^ x.rotate_left(20) ^ y.rotate_left(42);
+    drawn.filter(|(most, _)| *most < lattice.query.len()).map(|(most, seed)| (most, seed_of(seed)))
+}
+
+/// About how many roots of trees are drawn, and by which seed; none: all cells are roots.
+pub type Drawn = Option<(usize, u64)>;
+
 /// What a lattice is measured for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Use {
     /// The present layout alone, by breadth-first trees of about so many roots, drawn by a seed.
     Roots(usize, u64),
-    /// Few layouts: nothing is prepared. By trees of about so many roots, drawn by a seed; none: of all.
-    Few(Option<(usize, u64)>),
+    /// Few layouts: nothing is prepared.
+    Few(Drawn),
     /// Many layouts.
-    Search,
+    Search(Drawn),
 }
 
 #[cfg(test)]

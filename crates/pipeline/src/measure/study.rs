@@ -93,7 +93,7 @@ impl Study {
             (Arc::new(base), floors),
             settings,
             &[at],
-            (roots.map_or(Use::Search, |n| Use::Roots(n, settings.seed)), spacing_m),
+            (roots.map_or(Use::Search(None), |n| Use::Roots(n, settings.seed)), spacing_m),
             report,
         )?;
         study.state_blind(report);
