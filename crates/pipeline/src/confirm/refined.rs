@@ -28,6 +28,11 @@ const RANKED: usize = 32;
 /// From so many layouts on the lattices that they are ranked on are prepared: gallery, museum hall and flat, 19 to 32 layouts,
 /// 6 to 60 ms to prepare and 3 to 30 ms less for each (`BENCHMARKS.md`).
 const PREPARED: usize = 16;
+/// Lattices that layouts are ranked on, heat by heat: from one to the next the better half goes on …
+const HEATS: [usize; 3] = [2, 2, 4];
+const _: () = assert!(HEATS[0] + HEATS[1] + HEATS[2] == lattices::RANKED as usize);
+/// … and at least so many, more than are shown.
+const FINALISTS: usize = 8;
 /// Ideas taken beyond those wanted, for those that are not confirmed.
 pub(crate) const RESERVES: usize = 2;
 /// Share of an option's gain that moves may cost together which are taken back: a tenth is what a fifth wall must bring.
@@ -97,7 +102,7 @@ pub(crate) fn refined(
         |found: &(Member, Gains)| sure_gain(found).is_some_and(|g| g >= brief.settings.least_gain);
     let mut out = Refined::default();
     let mut layouts = kept;
-    let best = ranked.first().cloned();
+    let best = ranked.first().map(|r| r.member.clone());
     if let Some(best) = &best {
         let wanted = brief.settings.members - pins + RESERVES;
         let (ideas, alike) = unlike(brief, &layouts, ranked, wanted);
@@ -301,31 +306,65 @@ fn experiences(brief: &Brief<'_>, points: &[Point]) -> Vec<Experience> {
     on.measure_all(&vectors).iter().map(|worth| Experience::of(on, worth)).collect()
 }
 
-/// Layouts by what they gain on lattices of their own, the best first; none that breaks a limit there or on the lattice shown.
-fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Member> {
+/// A layout that is ranked.
+struct Ranked {
+    member: Member,
+    /// On the lattice shown.
+    here: Worth,
+    /// What it gains on the lattices that it was measured on, one number a lattice.
+    gained: f64,
+    lattices: usize,
+}
+
+impl Ranked {
+    fn gain(&self) -> f64 {
+        self.gained / self.lattices.max(1) as f64
+    }
+}
+
+/// Layouts by what they gain on lattices of their own, the best first; none that breaks a limit there or on the lattice
+/// shown. They are raced: the better half goes on to more lattices.
+fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Ranked> {
     let Brief { study, settings, objectives, .. } = brief;
-    let vectors: Vec<Vec<f64>> = pool.iter().map(|m| m.parameters.clone()).collect();
-    let drawn = lattices::drawn(study, settings);
-    let use_for = if pool.len() < PREPARED { Use::Few(drawn) } else { Use::Search(drawn) };
-    let others = study.on_lattices(settings, &lattices::ranked(study, settings), use_for);
-    let on = others.as_ref().unwrap_or(study);
     let is_allowed = |on: &Study, worth: &Worth| evaluation(on, settings, objectives, worth).violation == 0.0;
-    let worths = on.measure_all(&vectors);
-    let here = study.measure_all(&vectors);
-    let judged = pool.into_iter().zip(worths).zip(here);
-    let judged = judged.filter(|((m, there), here)| {
-        is_allowed(on, there) && is_allowed(study, here) && is_sound(brief, &m.parameters)
-    });
-    let mut all: Vec<(f64, Member)> =
-        judged.map(|((m, there), _)| (gained(on, settings, objectives, &there), m)).collect();
-    all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    all.into_iter().map(|(_, m)| m).collect()
+    let vectors =
+        |of: &[Ranked]| -> Vec<Vec<f64>> { of.iter().map(|r| r.member.parameters.clone()).collect() };
+    let all: Vec<Vec<f64>> = pool.iter().map(|m| m.parameters.clone()).collect();
+    let here = study.measure_all(&all);
+    let new = |(member, here): (Member, Worth)| Ranked { member, here, gained: 0.0, lattices: 0 };
+    let mut racing: Vec<Ranked> = pool.into_iter().zip(here).map(new).collect();
+    racing.retain(|r| is_allowed(study, &r.here) && is_sound(brief, &r.member.parameters));
+    let at = lattices::ranked(study, settings);
+    let drawn = lattices::drawn(study, settings);
+    let mut fallen: Vec<Ranked> = Vec::new();
+    let mut begin = 0;
+    for heat in HEATS {
+        let use_for = if racing.len() < PREPARED { Use::Few(drawn) } else { Use::Search(drawn) };
+        let others = study.on_lattices(settings, &at[begin..begin + heat], use_for);
+        let on = others.as_ref().unwrap_or(study);
+        let worths = on.measure_all(&vectors(&racing));
+        let judged = racing.into_iter().zip(worths).filter(|(_, worth)| is_allowed(on, worth));
+        let measured = |(mut r, worth): (Ranked, Worth)| {
+            r.gained += heat as f64 * self::gained(on, settings, objectives, &worth);
+            r.lattices += heat;
+            r
+        };
+        racing = judged.map(measured).collect();
+        racing.sort_by(|a, b| b.gain().total_cmp(&a.gain()));
+        begin += heat;
+        if begin < at.len() {
+            let behind = racing.split_off(racing.len().min(racing.len().div_ceil(2).max(FINALISTS)));
+            fallen.splice(0..0, behind);
+        }
+    }
+    racing.extend(fallen);
+    racing
 }
 
 /// So many ideas unlike those pinned: the first of all and then by turns the one least like those taken; and how many of the
 /// wanted are missing because what is left is like them.
-fn unlike(brief: &Brief<'_>, pinned: &[Member], members: Vec<Member>, wanted: usize) -> (Vec<Member>, usize) {
-    let mut left = ideas(brief, members);
+fn unlike(brief: &Brief<'_>, pinned: &[Member], ranked: Vec<Ranked>, wanted: usize) -> (Vec<Member>, usize) {
+    let mut left: Vec<Idea> = ranked.into_iter().map(|r| Idea::of(brief, r.member, &r.here)).collect();
     let mut taken = ideas(brief, pinned.to_vec());
     let likeness = |idea: &Idea, taken: &[Idea]| {
         taken.iter().map(|t| idea.likeness(t)).fold(f64::NEG_INFINITY, f64::max)

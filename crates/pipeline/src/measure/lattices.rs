@@ -21,7 +21,7 @@ const SEARCHED: u32 = 4;
 /// … but never fewer than these.
 const SEARCHED_LEAST: u32 = 2;
 /// Lattices on which the best layouts found are ranked.
-const RANKED: u32 = 8;
+pub(crate) const RANKED: u32 = 8;
 /// Lattices on which gains are confirmed, coarse and fine: a fine one costs sixteen coarse ones and varies half as much.
 const CONFIRMING: [u32; 2] = [12, 4];
 /// The finer lattices that gains are confirmed on have no more vertices, unless the one shown has.
