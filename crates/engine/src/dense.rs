@@ -59,6 +59,8 @@ pub(super) struct Dense {
     fixed: Vec<u64>,
     reference: Vec<Lanes>,
     query: Vec<u32>,
+    /// Places in it of those whose trees are walked, ascending.
+    roots: Vec<u32>,
     /// Component of every query vertex in the initial layout.
     initial: Vec<Vec<Lanes>>,
     initial_of: Vec<u32>,
@@ -229,6 +231,7 @@ impl Dense {
             fixed: Vec::new(),
             reference: vec![Lanes::default(); stride],
             query: lattice.query.clone(),
+            roots: (0..lattice.query.len() as u32).collect(),
             initial: Vec::new(),
             initial_of: Vec::new(),
             vertex_of: vec![0; stride * LANES],
@@ -281,6 +284,11 @@ impl Dense {
         self.initial = scratch.components.chunks(self.stride).map(<[Lanes]>::to_vec).collect();
         self.initial_of = self.query.iter().map(|&v| scratch.component_of[v as usize]).collect();
         true
+    }
+
+    /// Walks the trees of some places in the region of query alone, ascending.
+    pub fn set_roots(&mut self, places: &[u32]) {
+        self.roots = places.to_vec();
     }
 
     /// The tally of a layout; `None` if a coordinate is beyond the arithmetic.
@@ -662,34 +670,39 @@ impl Dense {
         fill_tables::<V, K>(&rows[..words * 64], &mut scratch.tables);
         let tables: &[[Lanes; K]] = scratch.tables.as_chunks().0;
         let trees = &mut scratch.trees;
-        trees.resize(self.query.len() * 2 * K, Lanes::default());
+        trees.resize(self.roots.len() * 2 * K, Lanes::default());
         let trees: &mut [[[Lanes; K]; 2]] = trees.as_chunks_mut().0.as_chunks_mut().0;
         let found = &mut scratch.found;
         found.clear();
         let (active, pushed, missing) = (&mut scratch.active, &mut scratch.pushed, &mut scratch.missing);
         active.clear();
         missing.clear();
-        for (i, (&v, [frontier, unseen])) in self.query.iter().zip(trees.iter_mut()).enumerate() {
+        for (i, &v) in self.query.iter().enumerate() {
             let cell = self.cell_of[v as usize] as usize;
-            *frontier = rows[cell];
-            *unseen = components[scratch.component_of[v as usize] as usize];
-            tally.degree.push(shared_bits(frontier, &self.reference));
-            tally.degree_all.push(count_bits(frontier));
+            let (row, member) = (&rows[cell], &components[scratch.component_of[v as usize] as usize]);
+            tally.degree.push(shared_bits(row, &self.reference));
+            tally.degree_all.push(count_bits(row));
             if let Some(initial) = self.initial_of.get(i)
                 && scratch.bare[cell / LANES].get(cell % LANES) == 1
             {
                 let was = &self.initial[*initial as usize];
-                tally.disconnected += u64::from(lost_bits(was, unseen, &scratch.bare));
+                tally.disconnected += u64::from(lost_bits(was, member, &scratch.bare));
             }
+        }
+        for (tree, (&i, [frontier, unseen])) in self.roots.iter().zip(trees.iter_mut()).enumerate() {
+            let v = self.query[i as usize] as usize;
+            let cell = self.cell_of[v] as usize;
+            *frontier = rows[cell];
+            *unseen = components[scratch.component_of[v] as usize];
             unseen[cell / LANES].clear(cell % LANES);
             missing.push(count_bits(unseen));
-            active.push(i as u32);
+            active.push(tree as u32);
         }
         let few = (words * 16) as u32 / TABLES_PER_PULL;
         let mut level = 0;
         while !active.is_empty() {
-            found.resize((level + 1) * self.query.len(), 0);
-            let counts = &mut found[level * self.query.len()..];
+            found.resize((level + 1) * self.roots.len(), 0);
+            let counts = &mut found[level * self.roots.len()..];
             pushed.clear();
             let mut kept = 0;
             for at in 0..active.len() {
@@ -712,11 +725,12 @@ impl Dense {
             push::<V, K>(tables, trees, pushed, &mut scratch.room);
             level += 1;
         }
-        for i in 0..self.query.len() {
+        tally.depth.resize(self.query.len(), 0);
+        for (tree, &i) in self.roots.iter().enumerate() {
             let before = tally.levels.len();
-            let counts = (0..level).map(|l| found[l * self.query.len() + i]);
+            let counts = (0..level).map(|l| found[l * self.roots.len() + tree]);
             tally.levels.extend(counts.take_while(|n| *n > 0));
-            tally.depth.push((tally.levels.len() - before) as u32);
+            tally.depth[i as usize] = (tally.levels.len() - before) as u32;
         }
         tally
     }

@@ -45,7 +45,7 @@ pub struct Scratch {
 impl Evaluator {
     /// `fixed` blocks sight in every layout; `initial_moving` is the rest of the initial layout,
     /// against which cut-off vertices are counted. With trees of about so many roots, drawn by a seed, where that many are
-    /// named and the rows are not dense: there all trees take less than the rows.
+    /// named.
     pub fn new(
         lattice: Arc<Lattice>,
         fixed: &[Segment],
@@ -62,9 +62,11 @@ impl Evaluator {
             broad = if dense.is_none() { Broad::new(&lattice, &under_fixed) } else { None };
         }
         let dense = dense.and_then(|mut d| d.set_initial(initial_moving, &mut scratch.dense).then_some(d));
-        let roots = roots.filter(|_| dense.is_none());
         let mut new = Self { dense, broad, ..Self::bare(lattice, fixed) };
         new.begin(initial_moving, roots);
+        if let (Some(dense), Some(sample)) = (&mut new.dense, &new.sample) {
+            dense.set_roots(&sample.places);
+        }
         new
     }
 
@@ -182,6 +184,7 @@ impl Evaluator {
             let steps: Vec<Vec<u32>> =
                 beyond.stairs.iter().map(|s| dense.steps_from(s, &scratch.dense)).collect();
             beyond.add_to_tally(&steps, &self.lattice.query, &mut tally);
+            return self.of_roots(tally);
         }
         tally
     }
@@ -292,7 +295,7 @@ mod tests {
             initial in segments(4),
             layouts in prop::collection::vec((segments(6), prop::collection::vec(0u32..40, 0..3)), 3),
             size in prop_oneof![3 => (6i32..28, 7i32..28), 1 => (60i32..80, 7i32..9)],
-            holes in any::<u64>(),
+            (holes, few) in (any::<u64>(), prop_oneof![2 => Just(0usize), 1 => 1usize..30]),
             stairs in prop::collection::vec((prop::collection::vec(0u32..40, 1..4), 1u32..5, 1u32..9), 0..3),
         ) {
             let wide = |of: Vec<Segment>| of.into_iter().map(|s| stretched(s, if size.0 > 28 { 3 } else { 1 })).collect();
@@ -312,11 +315,12 @@ mod tests {
             });
             let lattice = Arc::new(lattice);
             let initial = Obstacles { segments: initial, blind: vec![] };
-            let mut evaluator = Evaluator::new(lattice, &fixed, &initial, None);
+            let roots = (few > 0).then_some((few, 7));
+            let mut evaluator = Evaluator::new(lattice, &fixed, &initial, roots);
             prop_assert!(evaluator.dense.is_some());
             let mut scratch = evaluator.scratch();
             prop_assert_eq!(&evaluator.evaluate(&initial, &mut scratch), evaluator.initial());
-            let unprepared = Evaluator::unprepared(Arc::clone(&evaluator.lattice), &fixed, &initial, None);
+            let unprepared = Evaluator::unprepared(Arc::clone(&evaluator.lattice), &fixed, &initial, roots);
             for (segments, blind) in layouts {
                 let moving = Obstacles { segments: wide(segments), blind };
                 let whole = evaluator.evaluate_whole(&moving, &mut evaluator.scratch());

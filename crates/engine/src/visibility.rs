@@ -249,6 +249,9 @@ impl<'a> Sweep<'a> {
     #[inline(always)]
     fn half_in(&mut self, t: usize) -> Half {
         let mut half = Half::default();
+        if self.sees_no_window(t) {
+            return half;
+        }
         let mut viewers = self.strips.open[t];
         while viewers != 0 {
             let bit = viewers.trailing_zeros() as u8;
@@ -260,6 +263,15 @@ impl<'a> Sweep<'a> {
         half
     }
 
+    /// Whether nobody in a tile looks through the windows, upwards or along his row.
+    fn sees_no_window(&mut self, t: usize) -> bool {
+        let Some(windows) = self.windows else { return false };
+        let at = |cell: u32| (i64::from(cell) * self.strips.spacing_um) as f64;
+        let low = self.tiles.tile_at[t].map(|tile| at(tile * 8));
+        windows.look([low, low.map(|v| v + at(7))], &mut self.views);
+        self.views.above.is_empty() && self.views.is_row_closed
+    }
+
     /// Fills `seen` for the viewer at a bit of a tile.
     fn look(&mut self, tile: u32, bit: u8) {
         let [tile_column, tile_row] = self.tiles.tile_at[tile as usize];
@@ -268,7 +280,7 @@ impl<'a> Sweep<'a> {
         let at = [column as i64 * self.strips.spacing_um, row as i64 * self.strips.spacing_um];
         self.viewer = Viewer { column, row, at, x: at[0] as f64, y: at[1] as f64 };
         if let Some(windows) = self.windows {
-            windows.look([self.viewer.x, self.viewer.y], &mut self.views);
+            windows.look([[self.viewer.x, self.viewer.y]; 2], &mut self.views);
         }
         if self.windows.is_none() || !self.views.is_row_closed {
             self.own_row();

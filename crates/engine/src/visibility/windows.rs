@@ -37,16 +37,17 @@ impl Windows {
         Self { groups: groups.iter().map(group).collect(), steep }
     }
 
-    /// Finds the views of a viewer.
-    pub fn look(&self, at: [f64; 2], views: &mut Views) {
+    /// Finds the views of viewers in a box, its lower left and upper right corner: of one viewer exactly, of several all that any
+    /// has.
+    pub fn look(&self, from: [[f64; 2]; 2], views: &mut Views) {
         views.is_row_closed = false;
         for (i, group) in self.groups.iter().enumerate() {
             let [found, both] = &mut views.more;
             found.clear();
             let mut is_on_row = false;
             for window in group {
-                found.extend(self.view(window, at));
-                is_on_row |= reaches_row(window, at[1]);
+                found.extend(self.view(window, from));
+                is_on_row |= reaches_rows(window, from.map(|p| p[1]));
             }
             views.is_row_closed |= !is_on_row;
             found.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
@@ -72,25 +73,25 @@ impl Windows {
     }
 
     /// The slopes between which a window lies above a viewer's row, or on it.
-    fn view(&self, window: &[[f64; 2]], at: [f64; 2]) -> Option<[f64; 2]> {
+    fn view(&self, window: &[[f64; 2]], [low, high]: [[f64; 2]; 2]) -> Option<[f64; 2]> {
         let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
         let (mut is_above, mut is_below) = (false, false);
         for [x, y] in window {
-            let [dx, dy] = [x - at[0], y - at[1]];
-            is_above |= dy > -RIM_UM;
-            is_below |= dy <= RIM_UM;
-            if dy > -RIM_UM {
-                // Of the square of a rim round the corner, what is seen farthest left and right.
-                let (left, right) = (dx - RIM_UM, dx + RIM_UM);
+            // Of the square of a rim round the corner, as anybody has it.
+            let [left, right] = [x - high[0] - RIM_UM, x - low[0] + RIM_UM];
+            let [near, far] = [y - high[1] - RIM_UM, y - low[1] + RIM_UM];
+            is_above |= far > 0.0;
+            is_below |= near <= 0.0;
+            if far > 0.0 {
                 from = from.min(match left > 0.0 {
-                    true => left / (dy + RIM_UM),
-                    false if dy > RIM_UM => left / (dy - RIM_UM),
+                    true => left / far,
+                    false if near > 0.0 => left / near,
                     false => f64::NEG_INFINITY,
                 });
                 to = to.max(match right > 0.0 {
-                    true if dy > RIM_UM => right / (dy - RIM_UM),
+                    true if near > 0.0 => right / near,
                     true => f64::INFINITY,
-                    false => right / (dy + RIM_UM),
+                    false => right / far,
                 });
             }
         }
@@ -98,11 +99,10 @@ impl Windows {
             return None;
         }
         // A window that reaches below is seen to the horizon on the sides on which it lies there.
-        let lies = |side: f64| window.iter().any(|[x, _]| (x - at[0]) * side > -RIM_UM);
-        if is_below && lies(-1.0) {
+        if is_below && window.iter().any(|[x, _]| x - high[0] < RIM_UM) {
             from = f64::NEG_INFINITY;
         }
-        if is_below && lies(1.0) {
+        if is_below && window.iter().any(|[x, _]| x - low[0] > -RIM_UM) {
             to = f64::INFINITY;
         }
         let (from, to) = ((from * SLOPES).floor() / SLOPES, (to * SLOPES).ceil() / SLOPES);
@@ -113,10 +113,9 @@ impl Windows {
     }
 }
 
-/// Whether a window meets a row.
-fn reaches_row(window: &[[f64; 2]], row_y: f64) -> bool {
-    let is_near = |side: f64| window.iter().any(|[_, y]| (y - row_y) * side > -RIM_UM);
-    is_near(1.0) && is_near(-1.0)
+/// Whether a window meets any of the rows from one on to another.
+fn reaches_rows(window: &[[f64; 2]], [low, high]: [f64; 2]) -> bool {
+    window.iter().any(|[_, y]| y - low > -RIM_UM) && window.iter().any(|[_, y]| y - high < RIM_UM)
 }
 
 impl Views {
