@@ -37,6 +37,14 @@ pub struct Evaluator {
     card: Option<CardForest>,
 }
 
+/// How roots are drawn: about how many, and by which seed.
+enum Draw {
+    /// In every area, for a look at one layout.
+    InAreas(usize, u64),
+    /// Spread evenly, for means that are compared between layouts.
+    Even(usize, u64),
+}
+
 /// Buffers of one thread.
 pub struct Scratch {
     dense: DenseScratch,
@@ -63,7 +71,7 @@ impl Evaluator {
         }
         let dense = dense.and_then(|mut d| d.set_initial(initial_moving, &mut scratch.dense).then_some(d));
         let mut new = Self { dense, broad, ..Self::bare(lattice, fixed) };
-        new.begin(initial_moving, roots);
+        new.begin(initial_moving, roots.map(|(n, seed)| Draw::Even(n, seed)));
         if let (Some(dense), Some(sample)) = (&mut new.dense, &new.sample) {
             dense.set_roots(&sample.places);
         }
@@ -79,7 +87,7 @@ impl Evaluator {
         roots: Option<(usize, u64)>,
     ) -> Self {
         let mut new = Self::bare(lattice, fixed);
-        let graph = new.begin(initial_moving, roots);
+        let graph = new.begin(initial_moving, roots.map(|(n, seed)| Draw::Even(n, seed)));
         new.present = (new.vista(), graph).into();
         new
     }
@@ -92,7 +100,7 @@ impl Evaluator {
         roots: (usize, u64),
     ) -> Self {
         let mut new = Self::bare(lattice, fixed);
-        new.begin(initial_moving, Some(roots));
+        new.begin(initial_moving, Some(Draw::InAreas(roots.0, roots.1)));
         new
     }
 
@@ -112,15 +120,18 @@ impl Evaluator {
         }
     }
 
-    /// Measures the initial layout; its graph.
-    fn begin(&mut self, moving: &Obstacles, roots: Option<(usize, u64)>) -> Graph {
+    /// Measures the initial layout, with trees of all roots or of those drawn; its graph.
+    fn begin(&mut self, moving: &Obstacles, draw: Option<Draw>) -> Graph {
         self.initial_moving = moving.clone();
         let graph = visibility_graph(&self.lattice, &self.whole(moving));
         self.initial_components = graph.components();
         self.initial_edges = graph.edge_count();
-        let draw =
-            |(roots, seed)| Sample::draw(&self.lattice, &self.initial_components, &moving.blind, roots, seed);
-        self.sample = roots.map(draw);
+        self.sample = draw.map(|draw| match draw {
+            Draw::InAreas(roots, seed) => {
+                Sample::draw(&self.lattice, &self.initial_components, &moving.blind, roots, seed)
+            }
+            Draw::Even(roots, seed) => Sample::even(&self.lattice, roots, seed),
+        });
         self.initial = self.tally(&graph, moving);
         graph
     }

@@ -14,6 +14,7 @@ use super::graph::Graph;
 use super::measures::{
     Column, GLOBAL_NAMES, Means, UNDEFINED, entropy_bits, integration, means, relativised_entropy,
 };
+use super::tiles::Tiles;
 use super::{Lattice, Tally};
 
 /// Fewest roots of an area with as many cells: of two, a root itself would know only one other.
@@ -135,7 +136,26 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// About `roots` of the query vertices that are not `blind`.
+    /// So many of the query vertices, each as likely as any other, spread evenly over the floor: means over them are means
+    /// over all, and what one of them has its neighbours have much alike.
+    pub fn even(lattice: &Lattice, roots: usize, seed: u64) -> Self {
+        let mut place = vec![u32::MAX; lattice.cells.len()];
+        lattice.query.iter().zip(0..).for_each(|(v, i)| place[*v as usize] = i);
+        // Tiles lie along a curve that leaves none of a neighbourhood out.
+        let along = Tiles::new(lattice).vertex_of.into_iter().map(|v| place[v as usize]);
+        let along: Vec<u32> = along.filter(|i| *i != u32::MAX).collect();
+        let roots = roots.min(along.len());
+        let step = along.len() as f64 / roots.max(1) as f64;
+        let first = mix(seed) as f64 / u64::MAX as f64 * step;
+        let at = |k: usize| along[((first + k as f64 * step) as usize).min(along.len() - 1)];
+        let mut places: Vec<u32> = (0..roots).map(at).collect();
+        places.sort_unstable();
+        places.dedup();
+        let areas = vec![(along.len(), (0..places.len()).collect())];
+        Self { places, areas }
+    }
+
+    /// About `roots` of the query vertices that are not `blind`, in every area as many as its share and a few at least.
     pub fn draw(lattice: &Lattice, component: &[u32], blind: &[u32], roots: usize, seed: u64) -> Self {
         let mut is_blind = vec![false; component.len()];
         blind.iter().for_each(|&v| is_blind[v as usize] = true);
@@ -152,24 +172,31 @@ impl Sample {
         Self { places: roots.iter().map(in_query).collect(), areas }
     }
 
-    /// The mean over all query vertices and half the width of its 95 % interval, from the values of the roots.
+    /// The mean over all query vertices that are not covered and half the width of its 95 % interval, from the values of the
+    /// roots; NaN of those that are. An area is covered by as large a share as its roots are.
     fn estimate(&self, values: &[f64]) -> [f64; 2] {
-        let all = self.areas.iter().map(|a| a.0).sum::<usize>().max(1) as f64;
+        let free = |(cells, own): &(usize, Vec<usize>)| {
+            let known: Vec<f64> = own.iter().map(|&i| values[i]).filter(|v| !v.is_nan()).collect();
+            let cells = *cells as f64 * known.len() as f64 / own.len().max(1) as f64;
+            (!known.is_empty()).then_some((cells, known))
+        };
+        let areas: Vec<(f64, Vec<f64>)> = self.areas.iter().filter_map(free).collect();
+        let all = areas.iter().map(|a| a.0).sum::<f64>().max(1.0);
         let (mut mean, mut variance, mut freedom) = (0.0, 0.0, 0.0);
-        for (cells, own) in &self.areas {
-            let (n, share) = (own.len() as f64, *cells as f64 / all);
-            let own_mean = own.iter().map(|&i| values[i]).sum::<f64>() / n;
-            let spread = own.iter().map(|&i| (values[i] - own_mean).powi(2)).sum::<f64>() / n;
+        for (cells, known) in &areas {
+            let (n, share) = (known.len() as f64, cells / all);
+            let own_mean = known.iter().sum::<f64>() / n;
+            let spread = known.iter().map(|v| (v - own_mean).powi(2)).sum::<f64>() / n;
             mean += share * own_mean;
-            variance += share * share * variance_of_mean(n, *cells as f64, spread).unwrap_or(0.0);
+            variance += share * share * variance_of_mean(n, *cells, spread).unwrap_or(0.0);
             freedom += n - 1.0;
         }
         [mean, student(freedom) * variance.sqrt()]
     }
 
     /// [`means`] of a tally that has trees of the roots alone, and half the widths of the 95 % intervals of depth and
-    /// entropy: degrees are exact.
-    pub fn means(&self, tally: &Tally, covered: usize) -> (Means, [f64; 2]) {
+    /// entropy: degrees are exact. `covered` are positions within the region of query, ascending, that do not count.
+    pub fn means(&self, tally: &Tally, covered: &[u32]) -> (Means, [f64; 2]) {
         let mut rows = Vec::with_capacity(tally.depth.len());
         let mut at = 0;
         for &depth in &tally.depth {
@@ -177,10 +204,14 @@ impl Sample {
             at += depth as usize;
         }
         let of = |f: fn(&(f64, f64)) -> f64| {
-            self.estimate(&self.places.iter().map(|&i| f(&rows[i as usize])).collect::<Vec<f64>>())
+            let value = |i: &u32| match covered.binary_search(i) {
+                Ok(_) => f64::NAN,
+                Err(_) => f(&rows[*i as usize]),
+            };
+            self.estimate(&self.places.iter().map(value).collect::<Vec<f64>>())
         };
         let ([depth, depth_off], [entropy, entropy_off]) = (of(|r| r.0), of(|r| r.1));
-        (Means { depth, entropy, ..means(tally, covered) }, [depth_off, entropy_off])
+        (Means { depth, entropy, ..means(tally, covered.len()) }, [depth_off, entropy_off])
     }
 }
 
@@ -285,7 +316,7 @@ mod tests {
         let estimate = |roots: usize, seed: u64| {
             let sample = Sample::draw(&lattice, &component, &[], roots, seed);
             let tally = forest::tally_of(&lattice, &graph, Some(&sample.places), None);
-            sample.means(&tally, 0)
+            sample.means(&tally, &[])
         };
         let (whole, off) = estimate(usize::MAX, 1);
         assert!((whole.depth - exact.depth).abs() < 1e-9 && (whole.entropy - exact.entropy).abs() < 1e-9);
@@ -297,5 +328,28 @@ mod tests {
             held[1] += usize::from((guess.entropy - exact.entropy).abs() <= off[1]);
         }
         assert!(held.iter().all(|h| *h >= 53), "{held:?} of 60");
+    }
+
+    /// Whoever stands where a wall comes to stand has no view, and counts no more in the estimate than in the mean.
+    #[test]
+    fn covered_roots_do_not_count() {
+        let (lattice, graph) = two_buildings();
+        let mut tally = forest::tally(&lattice, &graph, None);
+        let covered: Vec<u32> = (0..lattice.query.len() as u32).step_by(3).collect();
+        let mut levels = Vec::new();
+        let mut at = 0;
+        for (i, depth) in tally.depth.iter_mut().enumerate() {
+            let own = &tally.levels[at..at + *depth as usize];
+            at += own.len();
+            if i % 3 == 0 { *depth = 0 } else { levels.extend(own) }
+        }
+        tally.levels = levels;
+        let exact = means(&tally, covered.len());
+        let (whole, _) = Sample::even(&lattice, usize::MAX, 1).means(&tally, &covered);
+        assert!((whole.entropy - exact.entropy).abs() < 1e-9 && (whole.depth - exact.depth).abs() < 1e-9);
+        let few: Vec<f64> =
+            (0..40).map(|seed| Sample::even(&lattice, 200, seed).means(&tally, &covered).0.entropy).collect();
+        let mean = few.iter().sum::<f64>() / 40.0;
+        assert!((mean / exact.entropy - 1.0).abs() < 0.02, "{mean} {}", exact.entropy);
     }
 }

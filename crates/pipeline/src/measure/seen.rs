@@ -147,7 +147,7 @@ impl Scene {
     pub fn seen(&self, tally: Tally, blind: &[u32], obstacles: impl FnOnce() -> Obstacles) -> Seen {
         let covered = self.covered(blind);
         let sample = self.evaluator.sample();
-        let (means, estimated) = match sample.map(|s| (s.means(&tally, covered.len()), s.places.clone())) {
+        let (means, estimated) = match sample.map(|s| (s.means(&tally, &covered), s.places.clone())) {
             Some(((means, half_widths), places)) => (means, Some(Estimated { places, half_widths })),
             None => (means(&tally, covered.len()), None),
         };
