@@ -151,6 +151,12 @@ impl Graph {
         out
     }
 
+    /// This graph and what else is seen in a part of another.
+    pub fn with(&self, more: &Self) -> Self {
+        let nothing = Self { start: vec![0; self.start.len()], ..Self::default() };
+        self.replaced(&nothing, more)
+    }
+
     /// Adds the entries of a row without some of them and with others; how many cells it has.
     fn push_replaced(
         &mut self,

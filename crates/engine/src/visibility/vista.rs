@@ -68,7 +68,8 @@ impl Vista {
         let windows = self.windows_to(obstacles);
         let few = CHANGED_SHARE * self.obstacles.segments.len() as f64;
         let then = self.other(obstacles.clone());
-        if windows.len() as f64 > few { then.graph() } else { self.seen_otherwise(graph, &then, &windows) }
+        let many = windows.iter().map(Vec::len).sum::<usize>() as f64 > few;
+        if many { then.graph() } else { self.seen_otherwise(graph, &then, &windows) }
     }
 
     /// [`changed`](Self::changed), however much differs.
@@ -77,45 +78,47 @@ impl Vista {
         self.seen_otherwise(graph, &self.other(obstacles.clone()), &self.windows_to(obstacles))
     }
 
-    fn seen_otherwise(&self, graph: &Graph, then: &Self, windows: &[Window]) -> Graph {
-        match (&self.strips, &then.strips) {
-            (Some(_), Some(_)) => graph.replaced(&self.through(&[windows]), &then.through(&[windows])),
-            _ => then.graph(),
+    fn seen_otherwise(&self, graph: &Graph, then: &Self, [gone, come]: &[Vec<Window>; 2]) -> Graph {
+        if self.strips.is_none() || then.strips.is_none() {
+            return then.graph();
         }
+        // What comes hides some of what is seen where it stands; what goes hides nothing any more.
+        let [before, after] = [self, then].map(|of| of.through(&[come]));
+        graph.replaced(&before, &after).with(&then.through(&[gone]))
     }
 
-    /// What any line of sight meets that is free in one of two layouts and not in the other.
-    fn windows_to(&self, then: &Obstacles) -> Vec<Window> {
+    /// What stops a line of sight in this layout alone, and what in another alone.
+    fn windows_to(&self, then: &Obstacles) -> [Vec<Window>; 2] {
         let mut windows = windows_between(&self.obstacles, then);
         let covered = [&self.obstacles, then].map(|o| o.blind.iter().copied().collect::<BTreeSet<u32>>());
         let centre = |v: &u32| vec![self.lattice.centre_um(*v as usize); 2];
-        windows.extend(covered[0].symmetric_difference(&covered[1]).map(centre));
+        windows[0].extend(covered[0].difference(&covered[1]).map(centre));
+        windows[1].extend(covered[1].difference(&covered[0]).map(centre));
         windows
     }
 }
 
-/// Where walls of one of two layouts stand and none of the other.
-fn windows_between(now: &Obstacles, then: &Obstacles) -> Vec<Window> {
+/// Where walls of the first of two layouts stand and none of the other, and the other way round.
+fn windows_between(now: &Obstacles, then: &Obstacles) -> [Vec<Window>; 2] {
     let [before, after] = [now, then].map(|o| o.segments.iter().copied().map(lower_first).collect());
     let (before, after): (BTreeSet<Segment>, BTreeSet<Segment>) = (before, after);
-    let gone = before.difference(&after);
+    let window = |a: PointUm, b: PointUm| vec![a, b];
     let mut come: Vec<Segment> = after.difference(&before).copied().collect();
-    let mut out: Vec<Window> = Vec::new();
-    for whole in gone {
+    let mut gone: Vec<Window> = Vec::new();
+    for whole in before.difference(&after) {
         let (mut left, others): (Vec<Segment>, Vec<Segment>) =
             come.into_iter().partition(|part| [part.a, part.b].iter().all(|p| is_on(*whole, *p)));
         come = others;
         left.sort_unstable();
         let mut from = whole.a;
         for part in left {
-            out.extend((from < part.a).then(|| vec![from, part.a]));
+            gone.extend((from < part.a).then(|| window(from, part.a)));
             from = from.max(part.b);
         }
-        out.extend((from < whole.b).then(|| vec![from, whole.b]));
-        out.extend((whole.a == whole.b).then(|| vec![whole.a, whole.b]));
+        gone.extend((from < whole.b).then(|| window(from, whole.b)));
+        gone.extend((whole.a == whole.b).then(|| window(whole.a, whole.b)));
     }
-    out.extend(come.into_iter().map(|s| vec![s.a, s.b]));
-    out
+    [gone, come.into_iter().map(|s| window(s.a, s.b)).collect()]
 }
 
 fn lower_first(s: Segment) -> Segment {

@@ -10,21 +10,24 @@ use crate::measure::seen::Use;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
 use crate::search::brief::Brief;
+use crate::search::budget;
 use crate::search::gain::total_gain;
 use crate::search::judged::{evaluation, gained, is_firm, pinned};
 use enfilade_overlay::result::{Gains, Objective};
 use enfilade_search::{Member, Outcome, Point, normalised_distance};
 
-/// Layouts whose experience is looked at, the best of all that keep the thresholds.
+/// Layouts whose experience is looked at, the best of all that keep the thresholds, …
 const EXPERIENCED: usize = 200;
-/// The same of those looked for beside the search.
+/// … the same of those looked for beside the search, …
 const EXPERIENCED_BESIDE: usize = 50;
-/// The best of these, of which each is looked at without one move after the other.
+/// … and the best of these, of which each is looked at without one move after the other; …
 const TAKEN_APART: usize = 4;
 /// Share of the best gain, all objectives together, that an option keeps at least where nobody stated thresholds.
 const YIELDING_SHARE: f64 = 0.5;
-/// Layouts of these that are ranked again.
+/// … layouts of these that are ranked again. On large plans fewer of each, as the search measures fewer …
 const RANKED: usize = 32;
+/// … but no fewer are ranked: twice those that are shown.
+const RANKED_LEAST: usize = 12;
 /// From so many layouts on the lattices that they are ranked on are prepared: gallery, museum hall and flat, 19 to 32 layouts,
 /// 6 to 60 ms to prepare and 3 to 30 ms less for each (`BENCHMARKS.md`).
 const PREPARED: usize = 16;
@@ -222,16 +225,18 @@ fn pool(
         let is_worth = || stripper.keeps_penalty(&p.values) && gain(p) >= least;
         p.violation == 0.0 && (stripper.keeps(&p.values) || is_worth())
     };
+    let effort = budget::effort(brief.study);
+    let some = |most: usize| (most as f64 * effort).ceil() as usize;
     let best_of = |of: &[Point], most: usize| {
         let mut kept: Vec<Point> = of.iter().filter(is_kept).cloned().collect();
         kept.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
         kept.truncate(most);
         kept
     };
-    let mut kept = best_of(outcome.archive, EXPERIENCED);
-    let without = without_one(brief, &kept[..kept.len().min(TAKEN_APART)]);
+    let mut kept = best_of(outcome.archive, some(EXPERIENCED));
+    let without = without_one(brief, &kept[..kept.len().min(some(TAKEN_APART))]);
     kept.extend(without.into_iter().filter(|p| is_kept(&p)));
-    kept.extend(best_of(others, EXPERIENCED_BESIDE));
+    kept.extend(best_of(others, some(EXPERIENCED_BESIDE)));
     kept.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
     let maps = experiences(brief, &kept);
     let mut out: Vec<Member> = outcome.members[pins..].to_vec();
@@ -240,7 +245,7 @@ fn pool(
     let mut distances: Vec<f64> = kept.iter().map(nearest).collect();
     let mut likeness = vec![f64::NEG_INFINITY; kept.len()];
     let mut turn = 0..;
-    while out.len() < RANKED {
+    while out.len() < some(RANKED).max(RANKED_LEAST) {
         let mut left = (0..kept.len()).filter(|i| distances[*i] > apart);
         let next = if turn.next().is_some_and(|t: usize| t.is_multiple_of(2)) {
             left.next()

@@ -24,8 +24,9 @@ const SEARCHED_LEAST: u32 = 2;
 pub(crate) const RANKED: u32 = 8;
 /// Lattices on which gains are confirmed, coarse and fine: a fine one costs sixteen coarse ones and varies half as much.
 const CONFIRMING: [u32; 2] = [12, 4];
-/// The finer lattices that gains are confirmed on have no more vertices, unless the one shown has.
-const VERTICES_MAX: f64 = 20_000.0;
+/// The finer lattices that gains are confirmed on have no more vertices, unless the one shown has: four times those of most
+/// houses. What so many cells have on average hangs little on where they lie, and what twice as many cost is four times as much.
+const VERTICES_MAX: f64 = 8_000.0;
 
 /// Roots of trees on each lattice that layouts are compared on: of four lattices some thousands, the same for all layouts.
 /// What they add to a confirmed interval is a few hundredths of its width (`BENCHMARKS.md`).

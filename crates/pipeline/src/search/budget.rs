@@ -19,12 +19,14 @@ const CONVERGING_MAX: u64 = 20_000;
 /// The evaluations that a search plans with: the number stated, else by how much measuring one costs; none where it
 /// ends when it has converged.
 pub(crate) fn stated(study: &Study, settings: &Settings) -> Option<u64> {
-    let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
-    let by_cost = || {
-        let all = (PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]);
-        (all * search_share(settings)) as u64
-    };
+    let by_cost = || (EVALUATIONS[1] * effort(study) * search_share(settings)) as u64;
     (!settings.until_converged).then(|| settings.evaluations.unwrap_or_else(by_cost))
+}
+
+/// How much is measured of what a small plan is worth, by how much measuring one layout costs: 0.2 to 1.
+pub(crate) fn effort(study: &Study) -> f64 {
+    let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
+    (PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]) / EVALUATIONS[1]
 }
 
 /// Share of the time, and of the layouts where none is stated, that ranking, stripping and confirming take after the search.
