@@ -80,7 +80,7 @@ pub(crate) fn search<'a>(
     })?;
     let mut memory = Memory::new(brief.input, settings, objectives.len());
     let begun = Instant::now();
-    let mut allowance = Allowance::new(settings, &mut search, known, started);
+    let mut allowance = Allowance::new(brief, &mut search, known, started);
     let mut said = Instant::now();
     let mut written = Instant::now();
     loop {

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::measure::study::Study;
-use crate::search::brief::{BATCH, is_bare};
+use crate::search::brief::{BATCH, Brief, is_bare};
 use crate::search::memory::{Clock, Pace};
 use enfilade_config::Settings;
 use enfilade_search::{Search, Stop};
@@ -29,19 +29,27 @@ pub(crate) fn effort(study: &Study) -> f64 {
     (PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]) / EVALUATIONS[1]
 }
 
-/// Share of the time, and of the layouts where none is stated, that ranking, stripping and confirming take after the search.
+/// Share of the layouts, where no number is stated, that ranking, stripping and confirming take after the search.
 const AFTER_SEARCH: f64 = 0.35;
 
+/// What the search and those beside it take, of which the search is one.
+const WITH_OTHERS: f64 = 1.0 + SEARCHES as f64 * SHARE;
+
 fn search_share(settings: &Settings) -> f64 {
-    let elsewhere = SEARCHES as f64 * SHARE;
-    if is_bare(settings) { 1.0 } else { (1.0 - AFTER_SEARCH) / (1.0 + elsewhere) }
+    if is_bare(settings) { 1.0 } else { (1.0 - AFTER_SEARCH) / WITH_OTHERS }
 }
+
+/// What works, ranking, confirming and writing take after the search, in evaluations of it: at the least effort, and how much
+/// more at the whole (`BENCHMARKS.md`, "Within the time").
+const AFTER: [f64; 2] = [450.0, 650.0];
+/// Share of the seconds stated that a search has at least, whatever comes after it.
+const SEARCH_LEAST: f64 = 0.25;
 
 /// What a search may still measure.
 pub(crate) struct Allowance<'a> {
     settings: &'a Settings,
-    /// Seconds of those stated that the search has.
-    seconds: Option<f64>,
+    /// Of [`effort`].
+    effort: f64,
     clock: Clock,
     /// Evaluations thought to fit into the seconds stated.
     fit: u64,
@@ -51,9 +59,9 @@ pub(crate) struct Allowance<'a> {
 
 impl<'a> Allowance<'a> {
     /// Of a search that first measures `known` layouts, in a round that began at `started`.
-    pub(crate) fn new(settings: &'a Settings, search: &mut Search, known: u64, started: Instant) -> Self {
-        let seconds = settings.seconds.map(|s| s * search_share(settings));
-        let out = Self { settings, seconds, clock: Clock::new(started), fit: 0, least: known + BATCH as u64 };
+    pub(crate) fn new(brief: &Brief<'a>, search: &mut Search, known: u64, started: Instant) -> Self {
+        let (settings, effort) = (brief.settings, effort(brief.study));
+        let out = Self { settings, effort, clock: Clock::new(started), fit: 0, least: known + BATCH as u64 };
         if settings.until_converged {
             search.set_most(out.most());
         }
@@ -64,11 +72,21 @@ impl<'a> Allowance<'a> {
         self.settings.evaluations.unwrap_or(CONVERGING_MAX)
     }
 
+    /// Seconds of those stated that the search has, as long as what comes after it is thought to need the others.
+    fn seconds(&self, done: u64) -> Option<f64> {
+        let stated = self.settings.seconds?;
+        if is_bare(self.settings) {
+            return Some(stated);
+        }
+        let after = self.clock.secs_each(done) * (AFTER[0] + AFTER[1] * self.effort);
+        Some(((stated - after) / WITH_OTHERS).max(stated * SEARCH_LEAST))
+    }
+
     /// Before a batch is asked for: a search whose time or number is spent ends, another plans with what fits. The pace
     /// of a batch that is remembered counts instead of the clock.
     pub(crate) fn turn(&mut self, search: &mut Search, remembered: Option<Pace>) {
         let done = search.progress().evaluations;
-        if let Some(seconds) = self.seconds {
+        if let Some(seconds) = self.seconds(done) {
             if remembered.is_none() && done > 0 && self.clock.spent_secs() >= seconds {
                 search.finish(Stop::Time);
             }

@@ -61,6 +61,11 @@ impl Clock {
         self.set = (Instant::now(), spent_secs);
     }
 
+    /// Seconds an evaluation has taken on average, of so many.
+    pub(crate) fn secs_each(&self, done: u64) -> f64 {
+        (self.spent_secs() - self.begun_secs).max(0.0) / done.max(1) as f64
+    }
+
     /// How many evaluations will fit into the time left, at the pace so far, after that many.
     pub(crate) fn fit(&self, done: u64, budget_secs: f64) -> u64 {
         let spent = self.spent_secs();
