@@ -37,6 +37,9 @@ pub struct Evaluator {
     card: Option<CardForest>,
 }
 
+/// Lattices of more vertices keep no graph to compare with: of so many it takes 75 MB at most.
+const KEPT_MAX: usize = 20_000;
+
 /// How roots are drawn: about how many, and by which seed.
 enum Draw {
     /// In every area, for a look at one layout.
@@ -88,7 +91,9 @@ impl Evaluator {
     ) -> Self {
         let mut new = Self::bare(lattice, fixed);
         let graph = new.begin(initial_moving, roots.map(|(n, seed)| Draw::Even(n, seed)));
-        new.present = (new.vista(), graph).into();
+        if new.lattice.cells.len() <= KEPT_MAX {
+            new.present = (new.vista(), graph).into();
+        }
         new
     }
 
@@ -141,19 +146,29 @@ impl Evaluator {
         Vista::new(Arc::clone(&self.lattice), self.whole(&self.initial_moving))
     }
 
-    /// The initial layout, and who sees whom in it; made when first asked for.
-    pub fn present(&self) -> &(Vista, Graph) {
-        self.present.get_or_init(|| {
-            let vista = self.vista();
-            let graph = vista.graph();
-            (vista, graph)
-        })
+    /// What the initial layout and who sees whom in it are asked for; both are kept for the next time, unless they are large.
+    pub fn with_present<T>(&self, ask: impl FnOnce(&Vista, &Graph) -> T) -> T {
+        if let Some((vista, graph)) = self.present.get() {
+            return ask(vista, graph);
+        }
+        // Made before it is locked: whoever waits in a lock may be handed work that wants it too.
+        let vista = self.vista();
+        let graph = vista.graph();
+        if self.lattice.cells.len() > KEPT_MAX {
+            return ask(&vista, &graph);
+        }
+        let (vista, graph) = self.present.get_or_init(|| (vista, graph));
+        ask(vista, graph)
     }
 
     /// The tally of any layout, whatever walls it has, those that never move in others too: at the cost of what it changes.
     pub fn evaluate_walls(&self, obstacles: &Obstacles) -> Tally {
-        let (vista, graph) = self.present();
-        self.tally(&vista.changed(graph, obstacles), obstacles)
+        let changed = |vista: &Vista, graph: &Graph| vista.changed(graph, obstacles);
+        let graph = match self.lattice.cells.len() > KEPT_MAX {
+            true => visibility_graph(&self.lattice, obstacles),
+            false => self.with_present(changed),
+        };
+        self.tally(&graph, obstacles)
     }
 
     fn tally(&self, graph: &Graph, moving: &Obstacles) -> Tally {
@@ -187,7 +202,8 @@ impl Evaluator {
         &self.initial
     }
 
-    /// The same bits as [`tally`](super::forest::tally) of the whole layout's visibility graph; single-threaded.
+    /// The same bits as [`tally_of`](super::forest::tally_of) the whole layout's visibility graph, with the trees that are walked
+    /// here.
     pub fn evaluate(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
         let dense = self.dense.as_ref().and_then(|d| Some((d, d.evaluate(moving, &mut scratch.dense)?)));
         let Some((dense, mut tally)) = dense else { return self.evaluate_whole(moving, scratch) };

@@ -33,19 +33,9 @@ const HUGE: f64 = 1e300;
 /// Two cells see each other iff the closed segment between their centres touches no obstacle and
 /// neither is blind. Exact; runs on the current rayon pool; the same bits on any number of threads.
 pub fn visibility_graph(lattice: &Lattice, obstacles: &Obstacles) -> Graph {
-    graph_of(lattice, obstacles, None)
-}
-
-/// Those pairs of [`visibility_graph`] whose line of sight meets a window of each group, and maybe others of it, the same
-/// ones whatever stands there: what an obstacle in the windows hides or would hide, at the cost of the view through them.
-pub fn graph_through(lattice: &Lattice, obstacles: &Obstacles, windows: &[&[Window]]) -> Graph {
-    graph_of(lattice, obstacles, Some(windows))
-}
-
-fn graph_of(lattice: &Lattice, obstacles: &Obstacles, windows: Option<&[&[Window]]>) -> Graph {
     let tiles = Arc::new(Tiles::new(lattice));
     match Strips::new(lattice, &tiles, obstacles) {
-        Some(strips) => swept((lattice, tiles), &strips, windows),
+        Some(strips) => swept((lattice, tiles), &strips, None),
         None => pairwise_graph(lattice, obstacles),
     }
 }

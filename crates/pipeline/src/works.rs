@@ -411,11 +411,12 @@ fn confirmed(study: &Study, settings: &Settings, works: &[&Work]) -> BTreeMap<us
 
 /// The gain in visibility of each change on one lattice.
 fn on_one(on: &Study, changes: &[&Change]) -> Vec<f64> {
-    let (vista, graph) = on.present();
-    let now = degrees(&on.lattice, graph).max(1) as f64;
     let is_query = is_query(&on.lattice);
-    let gain = |c: &&Change| difference(vista, graph, c).gained(&on.lattice, &is_query) as f64 / now;
-    changes.iter().map(gain).collect()
+    on.with_present(|vista, graph| {
+        let now = degrees(&on.lattice, graph).max(1) as f64;
+        let gain = |c: &&Change| difference(vista, graph, c).gained(&on.lattice, &is_query) as f64 / now;
+        changes.iter().map(gain).collect()
+    })
 }
 
 /// Every wall in the colour of the best opening in it.

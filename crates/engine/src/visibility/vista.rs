@@ -51,7 +51,8 @@ impl Vista {
         self.looked(None)
     }
 
-    /// As [`graph_through`](super::graph_through).
+    /// Those pairs of [`graph`](Self::graph) whose line of sight meets a window of each group, and maybe others of it, the same
+    /// ones whatever stands there: what an obstacle in the windows hides or would hide, at the cost of the view through them.
     pub fn through(&self, windows: &[&[Window]]) -> Graph {
         self.looked(Some(windows))
     }

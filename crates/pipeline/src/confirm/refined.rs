@@ -24,17 +24,16 @@ const EXPERIENCED_BESIDE: usize = 50;
 const TAKEN_APART: usize = 4;
 /// Share of the best gain, all objectives together, that an option keeps at least where nobody stated thresholds.
 const YIELDING_SHARE: f64 = 0.5;
-/// … layouts of these that are ranked again. On large plans fewer of each, as the search measures fewer …
+/// … layouts of these that are ranked again. On large plans fewer of each, as the search measures fewer; but twice as many are
+/// ranked as are wanted.
 const RANKED: usize = 32;
-/// … but no fewer are ranked: twice those that are shown.
-const RANKED_LEAST: usize = 12;
 /// From so many layouts on the lattices that they are ranked on are prepared: gallery, museum hall and flat, 19 to 32 layouts,
 /// 6 to 60 ms to prepare and 3 to 30 ms less for each (`BENCHMARKS.md`).
 const PREPARED: usize = 16;
 /// Lattices that layouts are ranked on, heat by heat: from one to the next the better half goes on …
 const HEATS: [usize; 3] = [2, 2, 4];
 const _: () = assert!(HEATS[0] + HEATS[1] + HEATS[2] == lattices::RANKED as usize);
-/// … and at least so many, more than are shown.
+/// … and at least so many, or all that are wanted.
 const FINALISTS: usize = 8;
 /// Ideas taken beyond those wanted, for those that are not confirmed.
 pub(crate) const RESERVES: usize = 2;
@@ -245,7 +244,8 @@ fn pool(
     let mut distances: Vec<f64> = kept.iter().map(nearest).collect();
     let mut likeness = vec![f64::NEG_INFINITY; kept.len()];
     let mut turn = 0..;
-    while out.len() < some(RANKED).max(RANKED_LEAST) {
+    let wanted = brief.settings.members + RESERVES;
+    while out.len() < some(RANKED).max(2 * wanted).min(RANKED) {
         let mut left = (0..kept.len()).filter(|i| distances[*i] > apart);
         let next = if turn.next().is_some_and(|t: usize| t.is_multiple_of(2)) {
             left.next()
@@ -305,7 +305,7 @@ fn experiences(brief: &Brief<'_>, points: &[Point]) -> Vec<Experience> {
     let coarse = study.on_lattices(
         settings,
         &lattices::searched(study, settings)[..1],
-        Use::Search(lattices::drawn(study, settings)),
+        Use::Search(lattices::drawn(settings)),
     );
     let on = coarse.as_ref().unwrap_or(study);
     on.measure_all(&vectors).iter().map(|worth| Experience::of(on, worth)).collect()
@@ -340,7 +340,7 @@ fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Ranked> {
     let mut racing: Vec<Ranked> = pool.into_iter().zip(here).map(new).collect();
     racing.retain(|r| is_allowed(study, &r.here) && is_sound(brief, &r.member.parameters));
     let at = lattices::ranked(study, settings);
-    let drawn = lattices::drawn(study, settings);
+    let drawn = lattices::drawn(settings);
     let mut fallen: Vec<Ranked> = Vec::new();
     let mut begin = 0;
     for heat in HEATS {
@@ -358,7 +358,9 @@ fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Ranked> {
         racing.sort_by(|a, b| b.gain().total_cmp(&a.gain()));
         begin += heat;
         if begin < at.len() {
-            let behind = racing.split_off(racing.len().min(racing.len().div_ceil(2).max(FINALISTS)));
+            let behind = racing.split_off(
+                racing.len().min(racing.len().div_ceil(2).max(FINALISTS).max(settings.members + RESERVES)),
+            );
             fallen.splice(0..0, behind);
         }
     }

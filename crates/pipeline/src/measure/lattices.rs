@@ -8,6 +8,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use crate::measure::aims;
 use crate::measure::look::LatticeAt;
 use crate::measure::seen::{Drawn, Use};
 use crate::measure::spacing::DOOR_SPACING_M;
@@ -33,8 +34,8 @@ const VERTICES_MAX: f64 = 8_000.0;
 const ROOTS: usize = 1024;
 
 /// The roots of layouts that are compared by means over several lattices; all, where anything but a mean is asked for.
-pub(crate) fn drawn(study: &Study, settings: &Settings) -> Drawn {
-    let is_mean = study.aims.iter().all(|a| a.aggregate == Aggregate::Mean);
+pub(crate) fn drawn(settings: &Settings) -> Drawn {
+    let is_mean = aims::aims(settings).iter().all(|a| a.aggregate == Aggregate::Mean);
     is_mean.then_some((ROOTS, settings.seed))
 }
 
@@ -71,7 +72,7 @@ pub(crate) fn ranked(study: &Study, settings: &Settings) -> Vec<LatticeAt> {
 /// made once a study, by the settings of its round: what a round confirms, it confirms on the same.
 pub(crate) fn confirming<'s>(study: &'s Study, settings: &Settings) -> &'s [Vec<Study>; 2] {
     if study.confirming.get().is_none() {
-        let on = |at: &LatticeAt| study.on_lattices(settings, &[*at], Use::Few(drawn(study, settings))).ok();
+        let on = |at: &LatticeAt| study.on_lattices(settings, &[*at], Use::Few(drawn(settings))).ok();
         let made = confirmed_at(study, settings).map(|all| all.par_iter().filter_map(on).collect());
         // Whoever was first made the same.
         drop(study.confirming.set(made));
@@ -108,7 +109,7 @@ fn shifted(settings: &Settings, purpose: Purpose, spacing_m: f64, count: u32) ->
 
 /// The study on the lattices that layouts are searched on, on the same graphics card; none where these have no cells.
 pub(crate) fn trial(study: &Study, settings: &Settings) -> Option<Study> {
-    let use_for = Use::Search(drawn(study, settings));
+    let use_for = Use::Search(drawn(settings));
     let mut trial = study.on_lattices(settings, &searched(study, settings), use_for).ok()?;
     trial.share_card(study);
     Some(trial)

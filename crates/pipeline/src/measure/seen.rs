@@ -210,7 +210,7 @@ pub type Drawn = Option<(usize, u64)>;
 pub enum Use {
     /// The present layout alone, by breadth-first trees of about so many roots, drawn by a seed.
     Roots(usize, u64),
-    /// Few layouts: nothing is prepared.
+    /// Few layouts: by what they change.
     Few(Drawn),
     /// Many layouts.
     Search(Drawn),

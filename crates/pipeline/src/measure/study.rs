@@ -288,9 +288,9 @@ impl Study {
         self.obstacles(&identity, &self.looks[0].main.cells)
     }
 
-    /// The present layout on the first lattice, and who sees whom in it.
-    pub(crate) fn present(&self) -> &(Vista, Graph) {
-        self.looks[0].main.evaluator.present()
+    /// What the present layout on the first lattice and who sees whom in it are asked for.
+    pub(crate) fn with_present<T>(&self, ask: impl FnOnce(&Vista, &Graph) -> T) -> T {
+        self.looks[0].main.evaluator.with_present(ask)
     }
 
     /// What blocks sight in a layout, all walls together, and which of some cells it covers.

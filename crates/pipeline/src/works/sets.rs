@@ -138,8 +138,11 @@ impl Sets<'_> {
         let together = |one: Counted| {
             let place = one.works[0];
             let change = &self.works[place].change;
-            let alone = self.alone[place].get_or_init(|| present.gained(&present.difference(change)));
-            let added = alone + more_together(present.vista, present.is_query, [&before, change]);
+            // Nothing is looked at while the place is locked: whoever waits there may be handed a set that wants it too.
+            let known = self.alone[place].get().copied();
+            let alone = known.unwrap_or_else(|| present.gained(&present.difference(change)));
+            let added = self.alone[place].get_or_init(|| alone)
+                + more_together(present.vista, present.is_query, [&before, change]);
             let mut works = [&set.works[..], &one.works].concat();
             works.sort_unstable();
             Counted { works, gained: set.gained + added, effort_m: set.effort_m + one.effort_m }
