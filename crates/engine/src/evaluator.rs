@@ -202,7 +202,7 @@ impl Evaluator {
         &self.initial
     }
 
-    /// The same bits as [`tally_of`](super::forest::tally_of) the whole layout's visibility graph, with the trees that are walked
+    /// The same bits as [`tally_of`] the whole layout's visibility graph, with the trees that are walked
     /// here.
     pub fn evaluate(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
         let dense = self.dense.as_ref().and_then(|d| Some((d, d.evaluate(moving, &mut scratch.dense)?)));
