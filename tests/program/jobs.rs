@@ -73,6 +73,19 @@ fn a_job_is_done_once_and_the_same_wherever_it_is_done() {
     assert_ne!(second["digest"], first["digest"]);
 }
 
+/// More threads than cores hand each other work while they wait: whoever waited in a lock for it waited for himself.
+#[test]
+fn many_threads_make_what_one_makes() {
+    let dir = tempfile::tempdir().unwrap();
+    let jobs = list(&[&enfilade_fixtures::repository("samples/flat.dxf")], &["--seeds", "5..5"], dir.path());
+    let with = |threads: &str| {
+        let out = dir.path().join(threads);
+        finished(&enfilade(&["run-job", &jobs[0], "--out", text(&out), "--threads", threads], ""))
+    };
+    let [many, one] = ["16", "1"].map(with);
+    assert_eq!(many["digest"], one["digest"]);
+}
+
 #[test]
 fn bad_jobs_end_with_2_and_a_busy_one_asks_for_another_try() {
     let dir = tempfile::tempdir().unwrap();
