@@ -37,7 +37,8 @@ pub struct Evaluator {
     card: Option<CardForest>,
 }
 
-/// Lattices of more vertices keep no graph to compare with: of so many it takes 75 MB at most.
+/// Lattices of more vertices keep no graph to compare with: of so many that all see each other it takes 75 MB, 12 bytes for
+/// each vertex and each tile of 64.
 const KEPT_MAX: usize = 20_000;
 
 /// How roots are drawn: about how many, and by which seed.
@@ -202,8 +203,7 @@ impl Evaluator {
         &self.initial
     }
 
-    /// The same bits as [`tally_of`] the whole layout's visibility graph, with the trees that are walked
-    /// here.
+    /// The same bits as [`tally_of`] the whole layout's visibility graph, with the trees that are walked here.
     pub fn evaluate(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
         let dense = self.dense.as_ref().and_then(|d| Some((d, d.evaluate(moving, &mut scratch.dense)?)));
         let Some((dense, mut tally)) = dense else { return self.evaluate_whole(moving, scratch) };

@@ -51,7 +51,7 @@ pub struct Present<'a> {
     pub plan: &'a Plan,
     /// Its cells.
     pub lattice: &'a Lattice,
-    /// What stops sight.
+    /// What stops sight, on the same cells.
     pub vista: &'a Vista,
     /// Who sees whom.
     pub graph: &'a Graph,

@@ -16,14 +16,14 @@ use crate::search::judged::{evaluation, gained, is_firm, pinned};
 use enfilade_overlay::result::{Gains, Objective};
 use enfilade_search::{Member, Outcome, Point, normalised_distance};
 
+/// Share of the best gain, all objectives together, that an option keeps at least where nobody stated thresholds.
+const YIELDING_SHARE: f64 = 0.5;
 /// Layouts whose experience is looked at, the best of all that keep the thresholds, …
 const EXPERIENCED: usize = 200;
 /// … the same of those looked for beside the search, …
 const EXPERIENCED_BESIDE: usize = 50;
 /// … and the best of these, of which each is looked at without one move after the other; …
 const TAKEN_APART: usize = 4;
-/// Share of the best gain, all objectives together, that an option keeps at least where nobody stated thresholds.
-const YIELDING_SHARE: f64 = 0.5;
 /// … layouts of these that are ranked again. On large plans fewer of each, as the search measures fewer; but twice as many are
 /// ranked as are wanted.
 const RANKED: usize = 32;
@@ -245,7 +245,8 @@ fn pool(
     let mut likeness = vec![f64::NEG_INFINITY; kept.len()];
     let mut turn = 0..;
     let wanted = brief.settings.members + RESERVES;
-    while out.len() < some(RANKED).max(2 * wanted).min(RANKED) {
+    let most = some(RANKED).max(2 * wanted).min(RANKED);
+    while out.len() < most {
         let mut left = (0..kept.len()).filter(|i| distances[*i] > apart);
         let next = if turn.next().is_some_and(|t: usize| t.is_multiple_of(2)) {
             left.next()
@@ -316,12 +317,14 @@ struct Ranked {
     member: Member,
     /// On the lattice shown.
     here: Worth,
-    /// What it gains on the lattices that it was measured on, one number a lattice.
+    /// Sum of what it gains on each of the lattices that it was measured on.
     gained: f64,
+    /// How many they were.
     lattices: usize,
 }
 
 impl Ranked {
+    /// What it gains on average.
     fn gain(&self) -> f64 {
         self.gained / self.lattices.max(1) as f64
     }

@@ -40,9 +40,10 @@ fn search_share(settings: &Settings) -> f64 {
 }
 
 /// What works, ranking, confirming and writing take after the search, in evaluations of it: at the least effort, and how much
-/// more at the whole (`BENCHMARKS.md`, "Within the time").
+/// more at the whole. From profiles of the museum hall and of `ensal`, tried on two others (`BENCHMARKS.md`, "Within the time").
 const AFTER: [f64; 2] = [450.0, 650.0];
-/// Share of the seconds stated that a search has at least, whatever comes after it.
+/// Share of the seconds stated that a search has at least, whatever comes after it: of less nothing is learned that could be
+/// confirmed.
 const SEARCH_LEAST: f64 = 0.25;
 
 /// What a search may still measure.
