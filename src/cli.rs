@@ -327,6 +327,10 @@ pub struct SearchArgs {
     /// End when about 95 % of what the search would converge to is reached; --evaluations and --seconds are the most.
     #[arg(long)]
     pub until_converged: bool,
+    /// Layouts measured at once, 1 to 64: more fill more cores or a graphics card, fewer learn sooner. Part of the search:
+    /// the number of cores changes nothing.
+    #[arg(long, value_name = "N", value_parser = whole::<usize>)]
+    pub together: Option<usize>,
     /// Write what was found so far every S seconds, into the folder so-far.
     #[arg(long, value_name = "S")]
     pub write_every: Option<f64>,
@@ -691,6 +695,7 @@ impl Common {
             raw: s.raw.then_some(true),
             overlay: s.overlay.map(Into::into),
             until_converged: s.until_converged.then_some(true),
+            together: s.together,
             ..Partial::default()
         }
     }

@@ -40,6 +40,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # snap = "0.1 m, 5 deg"             # modules that moves keep to
 # most-moves = 4                    # groups that an option may move
 # until-converged = true            # end at about 95 % of what would be found; evaluations and seconds are the most
+# together = 16                     # layouts measured at once: more fill more cores or a card, fewer learn sooner
 # only-marked = true                # nothing moves where nothing is marked
 # brief = "none"                    # or "kitchen area min 8 m2; rule=ways-out-35m": checked for the present layout
 # budget = "none"                   # or "2 works, 4 m": what the building works of an option may cost

@@ -52,6 +52,8 @@ pub use watching::{DEPTH_MAX, JOB_SECS, WatchTable};
 pub const MEMBERS_DEFAULT: usize = 5;
 /// Most members of one set: the architect looks at every one.
 pub const MEMBERS_MAX: usize = 50;
+/// Most layouts asked for at once: as many fill a graphics card, and more learn too late from each other.
+pub const TOGETHER_MAX: usize = 64;
 /// Threshold z of every default objective.
 pub const THRESHOLD_DEFAULT: f64 = 0.7;
 /// Smallest distance of two members as a fraction of √n_p (spec 6).
@@ -184,6 +186,7 @@ pub struct Partial {
     pub least_gain: Option<String>,
     pub raw: Option<bool>,
     pub until_converged: Option<bool>,
+    pub together: Option<usize>,
     pub pin: Option<Vec<Vec<f64>>>,
     pub like: Option<Vec<f64>>,
     pub warm: Option<Vec<Vec<f64>>>,
@@ -321,6 +324,7 @@ impl Partial {
             least_gain: self.least_gain.or(base.least_gain),
             raw: self.raw.or(base.raw),
             until_converged: self.until_converged.or(base.until_converged),
+            together: self.together.or(base.together),
             pin,
             like: self.like.or(base.like),
             warm: self.warm.or(base.warm),
@@ -436,6 +440,9 @@ pub struct Settings {
     /// then the most that it may take.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub until_converged: bool,
+    /// Layouts asked for at once, 1 to [`TOGETHER_MAX`]; none: by what measuring one costs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub together: Option<usize>,
     /// Parameters of options that stay; the others are found unlike them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pinned: Vec<Vec<f64>>,
@@ -636,6 +643,7 @@ impl Settings {
             least_gain: p.least_gain.as_deref().map_or(Ok(control::LEAST_GAIN), control::share)?,
             raw: p.raw.unwrap_or(false),
             until_converged: p.until_converged.unwrap_or(false),
+            together: p.together.map(|n| count("together", n, 1, TOGETHER_MAX)).transpose()?,
             pinned,
             pinned_options,
             like: p.like,

@@ -43,6 +43,7 @@ fn what_is_wrong_is_named() {
         (with(|p| p.link = Some(vec!["same: a, b".into(), "equal: b, c, d".into()])), "twice"),
         (with(|p| p.snap = Some("0".into())), "snap"),
         (with(|p| p.most_moves = Some(0)), "most-moves"),
+        (with(|p| p.together = Some(TOGETHER_MAX + 1)), "together"),
         (with(|p| p.budget = Some("4 yd".into())), "budget"),
         (with(|p| p.seed = Some(SEED_MAX + 1)), "at most 9223372036854775807"),
         (with(|p| p.pin = Some(vec![vec![]; 5])), "pin"),

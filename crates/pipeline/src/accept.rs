@@ -337,6 +337,7 @@ fn side_car(
         least_gain: Some(settings.least_gain.to_string()),
         raw: Some(settings.raw),
         until_converged: Some(settings.until_converged),
+        together: settings.together,
         pin: None,
         pin_options: Vec::new(),
         like: None,

@@ -11,7 +11,7 @@ pub(crate) mod rules;
 use std::time::Instant;
 
 use crate::job::{Event, Progress, Watch};
-use crate::search::brief::{BATCH, Brief};
+use crate::search::brief::Brief;
 use crate::search::budget::Allowance;
 use crate::search::judged::{measured, pinned};
 use crate::search::memory::Memory;
@@ -74,7 +74,7 @@ pub(crate) fn search<'a>(
         } else {
             enfilade_search::Mode::Diverse
         },
-        batch: BATCH,
+        batch: budget::together(study, settings),
         pinned: pinned(settings),
         seeds,
     })?;

@@ -205,6 +205,7 @@ impl Guided {
         self.asked.clear();
         self.turn_stage(archive);
         self.yield_thresholds(archive);
+        let mut sent = vec![];
         for b in 0..count {
             let climbs = self.climbs(archive.len() + b);
             let mut proposal = None;
@@ -218,7 +219,7 @@ impl Guided {
                 self.spread.refresh(&view, tuning.margin);
                 proposal = self
                     .spread
-                    .propose(&view, &mut self.spread_models, tuning.margin, &mut self.rng)
+                    .propose(&view, &mut self.spread_models, (tuning.margin, &mut sent), &mut self.rng)
                     .map(|x| (x, Kind::Spread));
             }
             let (x, kind) = proposal.unwrap_or_else(|| {

@@ -40,16 +40,15 @@ pub(super) fn key_above(
     Some(key(archive, members, skip, i)).filter(|&k| k > least)
 }
 
-/// The two members that stand closest, as positions, and their distance; of the first `fixed`, which
-/// never move, no two.
+/// The two members that stand closest, as positions, and their distance; of two at least one may move.
 pub(super) fn closest_pair(
     archive: &Archive,
     members: &[usize],
-    fixed: usize,
+    moves: impl Fn(usize) -> bool,
 ) -> Option<(usize, usize, f64)> {
     let mut found: Option<(usize, usize, f64)> = None;
     for a in 0..members.len() {
-        for b in (a + 1).max(fixed)..members.len() {
+        for b in (a + 1..members.len()).filter(|&b| moves(a) || moves(b)) {
             let distance = archive.distance(members[a], members[b]);
             if found.is_none_or(|(_, _, least)| distance < least) {
                 found = Some((a, b, distance));
@@ -61,7 +60,7 @@ pub(super) fn closest_pair(
 
 /// Smallest distance between two members; 0 for fewer than two.
 pub(super) fn min_distance(archive: &Archive, members: &[usize]) -> f64 {
-    closest_pair(archive, members, 0).map_or(0.0, |(_, _, d)| d)
+    closest_pair(archive, members, |_| true).map_or(0.0, |(_, _, d)| d)
 }
 
 /// Chooses up to `count` of `pool` that stand far apart: greedy max-min from `fixed`, which stay and are
@@ -89,7 +88,7 @@ const MOST_SWAPS: usize = 40;
 /// The first `fixed` members stay.
 pub(super) fn improve_by_swaps(archive: &Archive, pool: &[usize], members: &mut [usize], fixed: usize) {
     for _ in 0..MOST_SWAPS {
-        let Some((a, b, _)) = closest_pair(archive, members, fixed) else { return };
+        let Some((a, b, _)) = closest_pair(archive, members, |m| m >= fixed) else { return };
         let mut gain: Option<(usize, usize, f64)> = None;
         for m in [a, b].into_iter().filter(|&m| m >= fixed) {
             let now = key(archive, members, m, members[m]);

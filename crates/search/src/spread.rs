@@ -126,15 +126,22 @@ impl Spread {
         }
     }
 
-    /// The next point to evaluate; `None` while there are no two members to spread.
+    /// The next point to evaluate; `None` while there are no two members to spread. Members that are `sent` somewhere in
+    /// this batch are sent again only when all are.
     pub(super) fn propose(
         &mut self,
         view: &View<'_>,
         models: &mut Models,
-        margin: f64,
+        (margin, sent): (f64, &mut Vec<usize>),
         rng: &mut ChaCha8Rng,
     ) -> Option<Vec<f64>> {
-        let m = self.choose(view, rng)?;
+        let mut chosen = self.choose(view, sent, rng);
+        if chosen.is_none() {
+            sent.clear();
+            chosen = self.choose(view, sent, rng);
+        }
+        let m = chosen?;
+        sent.push(m);
         self.swap_from_archive(view, m);
         let at = view.archive.unit(self.members[m]).to_vec();
         let mut candidates = self.candidates(view, m, rng);
@@ -172,8 +179,9 @@ impl Spread {
     }
 
     /// Which member moves: one of the closest pair, now and then any. A fixed one never does.
-    fn choose(&mut self, view: &View<'_>, rng: &mut ChaCha8Rng) -> Option<usize> {
-        let (a, b, _) = closest_pair(view.archive, &self.members, self.fixed)?;
+    fn choose(&mut self, view: &View<'_>, sent: &[usize], rng: &mut ChaCha8Rng) -> Option<usize> {
+        let moves = |m: usize| m >= self.fixed && !sent.contains(&m);
+        let (a, b, _) = closest_pair(view.archive, &self.members, moves)?;
         let any = rng.random::<f64>() < view.tuning.any_member;
         let m = if any {
             rng.random_range(self.fixed..self.members.len())
@@ -182,7 +190,7 @@ impl Spread {
         } else {
             b
         };
-        Some(if m < self.fixed { b } else { m })
+        Some(if moves(m) { m } else { a + b - m })
     }
 
     /// Member `m` goes to the archive point inside that stands farthest off. New points were compared
@@ -251,7 +259,7 @@ impl Spread {
         let lead = |m: usize| {
             key(view.archive, &self.members, m, i) - key(view.archive, &self.members, m, self.members[m])
         };
-        let Some((a, b, _)) = closest_pair(view.archive, &self.members, self.fixed) else { return };
+        let Some((a, b, _)) = closest_pair(view.archive, &self.members, |m| m >= self.fixed) else { return };
         let taken = [a, b]
             .into_iter()
             .filter(|&m| m >= self.fixed && lead(m) > 0.0)

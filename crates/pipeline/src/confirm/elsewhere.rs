@@ -3,8 +3,8 @@
 
 use crate::confirm::found::shown;
 use crate::confirm::refined::without_each;
-use crate::search::brief::{BATCH, Brief, is_bare};
-use crate::search::budget::{SEARCHES, SHARE};
+use crate::search::brief::{Brief, is_bare};
+use crate::search::budget::{SEARCHES, SHARE, together};
 use crate::search::gain::total_gain;
 use crate::search::judged::measured;
 use enfilade_config::{Method, Mode};
@@ -80,7 +80,7 @@ fn search_without(
         evaluations: Some(evaluations),
         method: Method::Default,
         mode: Mode::Best,
-        batch: BATCH,
+        batch: together(brief.study, settings),
         seeds: vec![from],
         pinned: 0,
     })?;

@@ -5,10 +5,6 @@ use crate::measure::study::Study;
 use enfilade_config::{Aim, Method, Settings};
 use enfilade_moves::control::Control;
 
-/// Layouts that are asked for at once. Part of the search's definition, not of the machine: the same
-/// on any number of threads.
-pub const BATCH: usize = 2;
-
 /// A sum of penalties up to this counts as none when it is an objective of its own: written coordinates are
 /// rounded to 1 µm, so that a turned wall never keeps its length exactly, and a drawing without any penalty
 /// would otherwise allow no turn at all. Results report what was measured.

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::measure::study::Study;
-use crate::search::brief::{BATCH, Brief, is_bare};
+use crate::search::brief::{Brief, is_bare};
 use crate::search::memory::{Clock, Pace};
 use enfilade_config::Settings;
 use enfilade_search::{Search, Stop};
@@ -27,6 +27,19 @@ pub(crate) fn stated(study: &Study, settings: &Settings) -> Option<u64> {
 pub(crate) fn effort(study: &Study) -> f64 {
     let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
     (PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]) / EVALUATIONS[1]
+}
+
+/// Layouts that are asked for at once where nobody states how many: of small plans, …
+const TOGETHER: usize = 2;
+/// … and of those of which fewer are measured, since each takes long: on four lattices they keep 32 cores busy. After 130 and
+/// 200 layouts eight at a time reach as much as two, and stand 7 to 13 % nearer to each other; after 350 they stand 9 % nearer
+/// (`BENCHMARKS.md`, "Layouts at once").
+const TOGETHER_LARGE: usize = 8;
+
+/// Layouts that are asked for at once. Part of the search's definition, not of the machine: the same on any number of threads
+/// and on any back end.
+pub(crate) fn together(study: &Study, settings: &Settings) -> usize {
+    settings.together.unwrap_or(if effort(study) < 1.0 { TOGETHER_LARGE } else { TOGETHER })
 }
 
 /// Share of the layouts, where no number is stated, that ranking, stripping and confirming take after the search.
@@ -54,6 +67,8 @@ pub(crate) struct Allowance<'a> {
     clock: Clock,
     /// Evaluations thought to fit into the seconds stated.
     fit: u64,
+    /// Layouts that are asked for at once.
+    together: u64,
     /// Evaluations that are measured whatever the clock says.
     least: u64,
 }
@@ -62,7 +77,9 @@ impl<'a> Allowance<'a> {
     /// Of a search that first measures `known` layouts, in a round that began at `started`.
     pub(crate) fn new(brief: &Brief<'a>, search: &mut Search, known: u64, started: Instant) -> Self {
         let (settings, effort) = (brief.settings, effort(brief.study));
-        let out = Self { settings, effort, clock: Clock::new(started), fit: 0, least: known + BATCH as u64 };
+        let together = together(brief.study, settings) as u64;
+        let clock = Clock::new(started);
+        let out = Self { settings, effort, clock, fit: 0, together, least: known + together };
         if settings.until_converged {
             search.set_most(out.most());
         }
@@ -91,7 +108,7 @@ impl<'a> Allowance<'a> {
             if remembered.is_none() && done > 0 && self.clock.spent_secs() >= seconds {
                 search.finish(Stop::Time);
             }
-            self.fit = remembered.map_or_else(|| self.clock.fit(done, seconds).max(self.least), |p| p.fit);
+            self.fit = remembered.map_or_else(|| self.clock.fit(done, seconds, self.together).max(self.least), |p| p.fit);
             if !self.settings.until_converged {
                 search.set_evaluations(self.settings.evaluations.map_or(self.fit, |most| most.min(self.fit)));
             }

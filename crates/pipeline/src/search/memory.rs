@@ -15,7 +15,6 @@ use std::time::{Duration, Instant};
 use sha2::{Digest, Sha256};
 
 use crate::job::{Input, Keep};
-use crate::search::brief::BATCH;
 use enfilade_config::{Settings, Twin};
 use enfilade_search::Evaluation;
 
@@ -67,10 +66,10 @@ impl Clock {
     }
 
     /// How many evaluations will fit into the time left, at the pace so far, after that many.
-    pub(crate) fn fit(&self, done: u64, budget_secs: f64) -> u64 {
+    pub(crate) fn fit(&self, done: u64, budget_secs: f64, together: u64) -> u64 {
         let spent = self.spent_secs();
         let rate = done as f64 / (spent - self.begun_secs).max(1e-6);
-        done + ((rate * (budget_secs - spent).max(0.0)) as u64).max(2 * BATCH as u64)
+        done + ((rate * (budget_secs - spent).max(0.0)) as u64).max(2 * together)
     }
 }
 
@@ -189,7 +188,7 @@ fn check(key: &[u8; 32], at: &[f64], worth: &[u8]) -> [u8; CHECK_BYTES] {
 fn key(input: &Input<'_>, settings: &Settings) -> [u8; 32] {
     let mut hash = Sha256::new();
     let text = serde_json::to_string(settings).unwrap_or_default();
-    for part in [enfilade_config::VERSION, input.file(), input.sha256(), &text, &BATCH.to_string()] {
+    for part in [enfilade_config::VERSION, input.file(), input.sha256(), &text] {
         hash.update(part);
         hash.update([0]);
     }
@@ -295,10 +294,10 @@ mod tests {
     #[test]
     fn a_clock_goes_on_where_it_was() {
         let mut clock = Clock::new(Instant::now());
-        assert!(clock.fit(100, 1e9) > 1_000_000);
+        assert!(clock.fit(100, 1e9, 2) > 1_000_000);
         clock.set(1e6);
         assert!(clock.spent_secs() >= 1e6);
-        assert_eq!(clock.fit(100, 1e6), 100 + 2 * BATCH as u64);
+        assert_eq!(clock.fit(100, 1e6, 2), 104);
     }
 
     /// The first batch takes its own time at every start; that is no reason to forget the rest.

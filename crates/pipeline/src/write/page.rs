@@ -125,6 +125,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     if let Some(most) = settings.most_moves {
         add("most-moves", most.to_string());
     }
+    if let Some(together) = settings.together {
+        add("together", together.to_string());
+    }
     add("least-gain", settings.least_gain.to_string());
     if settings.allow != Allow::default() {
         add("allow", settings.allow.to_string());
