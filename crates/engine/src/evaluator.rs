@@ -226,7 +226,9 @@ impl Evaluator {
             return Err("steps over stairs are counted on the cores alone".into());
         }
         let components = Some(self.initial_components.as_slice());
-        let card = CardForest::new(gpu, Arc::clone(&self.lattice), &self.fixed, components, layouts)?;
+        let under_fixed = Obstacles { segments: self.fixed.clone(), blind: Vec::new() };
+        let under_fixed = visibility_graph(&self.lattice, &under_fixed);
+        let card = CardForest::new(gpu, Arc::clone(&self.lattice), &under_fixed, components, layouts)?;
         let found = card.tallies(std::slice::from_ref(initial_moving))?;
         if found.into_iter().map(|t| self.of_roots(t)).ne([self.initial.clone()]) {
             return Err(format!("{} measures the present layout differently", card.gpu().name()));
