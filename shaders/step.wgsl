@@ -15,21 +15,6 @@
 @group(0) @binding(7) var<storage, read_write> sums: array<u32>;
 @group(0) @binding(8) var<storage, read_write> awake: array<atomic<u32>>;
 
-// Those of the cells of a row that are asked for.
-fn of_cells(first: u32, cells: u32) -> u32 {
-    let k = params.words;
-    var found = 0u;
-    if (cells & 1u) != 0u { found |= front[first]; }
-    if (cells & 2u) != 0u { found |= front[first + k]; }
-    if (cells & 4u) != 0u { found |= front[first + 2u * k]; }
-    if (cells & 8u) != 0u { found |= front[first + 3u * k]; }
-    if (cells & 16u) != 0u { found |= front[first + 4u * k]; }
-    if (cells & 32u) != 0u { found |= front[first + 5u * k]; }
-    if (cells & 64u) != 0u { found |= front[first + 6u * k]; }
-    if (cells & 128u) != 0u { found |= front[first + 7u * k]; }
-    return found;
-}
-
 // One bit for each row of a tile that has cells.
 fn rows_with(cells: vec2<u32>) -> u32 {
     var found = 0u;
@@ -49,9 +34,8 @@ fn met(first: u32, cells: vec2<u32>, shut: vec2<u32>, wanted: u32) -> u32 {
         let together = front[first + (ROWS + row) * params.words] & need;
         let is_whole = row_of(shut, row) == 0u;
         need &= ~select(0u, together, is_whole);
-        // A loop of at most one turn: software skips loops alone.
-        for (var of_row = select(row_of(cells, row), 0u, is_whole || together == 0u); of_row != 0u; of_row = 0u) {
-            need &= ~of_cells(first + (CELLS + row * 8u) * params.words, of_row);
+        for (var of_row = select(row_of(cells, row), 0u, is_whole || together == 0u); of_row != 0u; of_row &= of_row - 1u) {
+            need &= ~front[first + (CELLS + row * 8u + firstTrailingBit(of_row)) * params.words];
         }
     }
     return wanted & ~need;
@@ -136,12 +120,16 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             }
             shared_by_all |= met(source, cells_of_all, shut, wanted);
             all &= ~shared_by_all;
+            // What none of them lacks is looked for no more, where each is looked at.
+            var rest = select(all, 0u, more == members);
             for (; more != 0u; more &= more - 1u) {
                 let i = firstTrailingBit(more);
                 let mask = seen[at + EACH + i];
                 let need = wanted & lacking[i] & ~shared_by_all;
                 lacking[i] &= ~met(source, select(vec2<u32>(0u), mask, need != 0u), shut & ~mask, need);
+                rest |= lacking[i];
             }
+            all &= rest;
         }
         var together = 0u;
         if !is_first {

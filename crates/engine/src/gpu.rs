@@ -36,8 +36,8 @@ mod walk;
 
 use forest::CardForest;
 
-/// Loop iterations of one invocation, all its loops together, at most: Mesa's software adapter stops
-/// loops silently at 65,535.
+/// Loop iterations of one invocation, all its loops together, at most, on adapters in software: Mesa's stops loops
+/// silently at 65,535.
 pub const LOOP_ITERATIONS_MAX: u32 = 60_000;
 
 /// Walls one invocation compares: each once as a whole, with up to 64 cells, and with these again where that is not sure.
@@ -237,6 +237,11 @@ impl Gpu {
         let limit = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
         // Words are counted in 32 bits.
         limit.min(1 << 33)
+    }
+
+    /// Loop iterations that one invocation may have.
+    pub(super) fn iterations_max(&self) -> u64 {
+        if self.is_software { LOOP_ITERATIONS_MAX.into() } else { u64::MAX }
     }
 
     /// A buffer of at least `words` words.

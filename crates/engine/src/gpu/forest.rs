@@ -8,7 +8,7 @@ use wgpu::Buffer;
 use super::rows::{Block, SQUARE};
 use super::shape::Shape;
 use super::store::{Store, Work, local};
-use super::walk::{Batch, Walk};
+use super::walk::{Trees, Walk};
 use super::{Gpu, Params, SEGMENTS_PER_PASS, Step, groups};
 use crate::graph::Graph;
 use crate::{Lattice, Obstacles, Tally};
@@ -122,16 +122,18 @@ impl CardForest {
             true => self.unmoved(),
             false => work.shaded.clone(),
         };
-        let mut batch = Batch::new(layouts.len(), self.store.roots.len());
+        let mut batch = vec![Trees::new(self.store.roots.len()); layouts.len()];
         for first in (0..self.store.roots.len() as u32).step_by(self.store.shape.roots() as usize) {
             let roots = self.store.shape.roots().min(self.store.roots.len() as u32 - first);
             let walk =
                 Walk { store: &self.store, work, seen: &seen, layouts: layouts.len() as u32, first, roots };
             work.levels = walk.run(std::mem::take(&mut steps), &mut batch)?;
         }
-        let lost = |(l, layout): (usize, &Obstacles)| self.lost(layout, &batch.kept[l]);
-        let lost: Vec<u64> = layouts.iter().enumerate().map(lost).collect();
-        Ok(batch.into_tallies(lost))
+        let tally = |(layout, trees): (&Obstacles, Trees)| {
+            let lost = self.lost(layout, &trees.kept);
+            trees.into_tally(lost)
+        };
+        Ok(layouts.iter().zip(batch).map(tally).collect())
     }
 
     /// Σ over the roots of the vertices of their initial component that were not reached, what is covered left out; from

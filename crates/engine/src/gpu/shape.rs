@@ -1,6 +1,5 @@
 //! How the work of a card is cut: no buffer, dispatch or loop is larger than an adapter takes.
 
-use super::LOOP_ITERATIONS_MAX;
 use super::rows::SQUARE;
 
 /// Words of a tile on a frontier, and words of its sums; `SLOTS` and `SUMS` in `shaders/params.wgsl`.
@@ -18,7 +17,7 @@ const PER_ROW: u64 = 17;
 
 /// Iterations for a square: itself and eight viewers with it, for each of these nine the eight rows of a tile, and the cells
 /// of each.
-const PER_SQUARE: u64 = 9 * (1 + 8 * 2);
+const PER_SQUARE: u64 = 9 * (1 + 8 * (1 + 8));
 
 /// What of a plan decides how it is cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,11 +46,12 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// Cuts the work so that no buffer has more than `bytes_max` bytes; up to `layouts` at a time.
+    /// Cuts the work so that no buffer has more than `bytes_max` bytes and no invocation of the stage "step" more iterations
+    /// than `iterations_max`; up to `layouts` at a time.
     ///
     /// # Errors
     /// The plan is too large, in words for the report.
-    pub fn new(of: Extent, layouts: u32, bytes_max: u64) -> Result<Self, String> {
+    pub fn new(of: Extent, layouts: u32, (bytes_max, iterations_max): (u64, u64)) -> Result<Self, String> {
         let bytes = bytes_max.min(FRONT_BYTES_MAX);
         let words_all = padded(u64::from(of.roots.div_ceil(32).max(1)));
         let fit = bytes / 4 / (u64::from(of.tiles.max(1)) * SLOTS);
@@ -64,7 +64,7 @@ impl Shape {
         let words = if fit / layouts >= words_all { words_all } else { whole_lines(fit) };
         let trees = layouts * words * 32;
         let levels = (bytes / 4 / trees).clamp(3, u64::from(LEVELS_MAX) + 1) - 1;
-        let pass_squares = pass_squares(of)?;
+        let pass_squares = pass_squares(of, iterations_max)?;
         Ok(Self {
             layouts: layouts as u32,
             words: words as u32,
@@ -95,10 +95,9 @@ pub(super) fn step_iterations(of: Extent, squares: u32) -> u64 {
     8 * (PER_ROW + PER_SQUARE * u64::from(squares)) + 2 * u64::from(of.near)
 }
 
-fn pass_squares(of: Extent) -> Result<u32, String> {
-    let most = u64::from(LOOP_ITERATIONS_MAX);
+fn pass_squares(of: Extent, iterations_max: u64) -> Result<u32, String> {
     let too_many = || format!("cells that see {} tiles are more than an invocation takes", of.near);
-    let left = most.checked_sub(step_iterations(of, 0)).ok_or_else(too_many)?;
-    let squares = (left / (8 * PER_SQUARE)) as u32;
+    let left = iterations_max.checked_sub(step_iterations(of, 0)).ok_or_else(too_many)?;
+    let squares = (left / (8 * PER_SQUARE)).min(u64::from(u32::MAX)) as u32;
     if squares == 0 { Err(too_many()) } else { Ok(squares.min(of.row.max(1))) }
 }

@@ -74,7 +74,7 @@ impl Store {
     ) -> Result<Self, String> {
         let (blocks, mut extent) = rows::upload(&gpu, graph, bytes_max)?;
         extent.roots = lattice.query.len() as u32;
-        let shape = cut(Shape::new(extent, layouts, bytes_max)?);
+        let shape = cut(Shape::new(extent, layouts, (bytes_max, gpu.iterations_max()))?);
         let tiles = &graph.tiles;
         let place = |(place, &v): (u32, &u32)| (tiles.rank_of[v as usize], place);
         let mut roots: Vec<(u32, u32)> = (0..).zip(&lattice.query).map(place).collect();

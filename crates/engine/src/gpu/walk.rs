@@ -1,5 +1,7 @@
 //! The trees of some roots in all layouts of a group: levels until none grows, counted by root.
 
+use std::ops::Range;
+
 use wgpu::{BindGroup, Buffer};
 
 use super::store::{Store, Work};
@@ -21,38 +23,40 @@ pub(super) struct Walk<'a> {
     pub roots: u32,
 }
 
-/// What the roots have in each layout, by place in the region of query.
-pub(super) struct Batch {
-    levels: Vec<Vec<Vec<u32>>>,
-    degrees: Vec<Vec<[u32; 2]>>,
+/// What the roots have in one layout, by place in the region of query.
+#[derive(Clone)]
+pub(super) struct Trees {
+    levels: Vec<Vec<u32>>,
+    degrees: Vec<[u32; 2]>,
     /// Vertices of a root's initial component that it reaches; 0 where none are told apart.
-    pub kept: Vec<Vec<u32>>,
+    pub kept: Vec<u32>,
 }
 
-impl Batch {
-    pub fn new(layouts: usize, roots: usize) -> Self {
-        Self {
-            levels: vec![vec![Vec::new(); roots]; layouts],
-            degrees: vec![vec![[0; 2]; roots]; layouts],
-            kept: vec![vec![0; roots]; layouts],
+impl Trees {
+    pub fn new(roots: usize) -> Self {
+        Self { levels: vec![Vec::new(); roots], degrees: vec![[0; 2]; roots], kept: vec![0; roots] }
+    }
+
+    /// With what the layout has lost.
+    pub fn into_tally(self, disconnected: u64) -> Tally {
+        Tally {
+            degree: self.degrees.iter().map(|d| d[0]).collect(),
+            degree_all: self.degrees.iter().map(|d| d[1]).collect(),
+            depth: self.levels.iter().map(|l| l.len() as u32).collect(),
+            levels: self.levels.concat(),
+            disconnected,
         }
     }
-
-    /// With what each layout has lost.
-    pub fn into_tallies(self, lost: Vec<u64>) -> Vec<Tally> {
-        let tally = |((levels, degrees), disconnected): ((Vec<Vec<u32>>, Vec<[u32; 2]>), u64)| Tally {
-            degree: degrees.iter().map(|d| d[0]).collect(),
-            degree_all: degrees.iter().map(|d| d[1]).collect(),
-            depth: levels.iter().map(|l| l.len() as u32).collect(),
-            levels: levels.concat(),
-            disconnected,
-        };
-        self.levels.into_iter().zip(self.degrees).zip(lost).map(tally).collect()
-    }
 }
 
-/// Buffers of the stages of a block; those of two levels in turn.
+/// Buffers of the stages; those of two levels in turn.
 struct Bound {
+    blocks: Vec<BoundBlock>,
+    count: [BindGroup; 2],
+}
+
+/// Those of the stages that go over a block.
+struct BoundBlock {
     begin: BindGroup,
     step: [BindGroup; 2],
     kept: Option<[BindGroup; 2]>,
@@ -61,55 +65,70 @@ struct Bound {
 impl<'a> Walk<'a> {
     /// Submits what came before together with the first levels, goes on while any tree grows, and keeps what is
     /// found in the batch; how many levels the next walk may need.
-    pub fn run(&self, mut steps: Vec<Step<'a>>, batch: &mut Batch) -> Result<u32, String> {
+    pub fn run(&self, mut steps: Vec<Step<'a>>, batch: &mut [Trees]) -> Result<u32, String> {
         let (gpu, work) = (&self.store.gpu, self.work);
-        let bound: Vec<Bound> = (0..self.seen.len()).map(|b| self.bound(b)).collect();
-        let count = [0, 1].map(|i| gpu.bind(&gpu.count, &[&work.fronts[i], &work.sums, &work.counts]));
+        let bound = Bound {
+            blocks: (0..self.seen.len()).map(|b| self.bound(b)).collect(),
+            count: [0, 1].map(|i| gpu.bind(&gpu.count, &[&work.fronts[i], &work.sums, &work.counts])),
+        };
         let mut degrees = if self.first == 0 { self.degrees(&mut steps) } else { 0 };
         self.begin(&bound, &mut steps);
         let most = self.store.shape.levels;
         let mut many = work.levels.clamp(1, most);
         let mut done = 0;
         loop {
-            let slots = many as usize + 1;
-            let bytes = (slots * self.trees() * 4) as u64;
-            steps.push(Step::Clear { buffer: &work.counts, from: 0, bytes });
-            for slot in 0..many {
-                self.level(done + slot + 1, &bound, &mut steps);
-                self.count(&count[(done + slot + 1) as usize % 2], slot, &mut steps);
-            }
-            done += many;
-            if self.kept(done, &bound, &mut steps) {
-                self.count(&count[(done + 1) as usize % 2], many, &mut steps);
-            }
-            let to = &work.staging;
-            steps.push(Step::Copy { from: &work.counts, at: 0, to, to_at: 0, bytes });
-            if degrees > 0 {
-                let more = degrees as u64 * 4;
-                steps.push(Step::Copy { from: &work.degrees, at: 0, to, to_at: bytes, bytes: more });
-            }
+            let counts = self.levels(done..done + many, &bound, &mut steps);
+            self.copy((&work.counts, counts), 0, &mut steps);
+            self.copy((&work.degrees, degrees), counts, &mut steps);
             gpu.submit(&steps)?;
             steps.clear();
-            let read = gpu.read(to, slots * self.trees() + degrees)?;
-            let (read, more) = read.split_at(slots * self.trees());
-            self.add_degrees(more, batch);
-            degrees = 0;
-            let mut by_slot = read.chunks_exact(self.trees());
-            let mut grows = false;
-            for counts in by_slot.by_ref().take(many as usize) {
-                grows = self.add_level(counts, batch);
-            }
-            if !grows {
-                if let Some(kept) = by_slot.next() {
-                    self.for_each_tree(|tree, l, place| batch.kept[l][place] = kept[tree]);
-                }
+            let read = gpu.read(&work.staging, counts + degrees)?;
+            self.add_degrees(&read[counts..], batch);
+            if !self.add_levels(&read[..counts], batch) {
                 break;
             }
+            (done, degrees) = (done + many, 0);
             many = (2 * many).min(most);
         }
-        let deepest = batch.levels.iter().flatten().map(Vec::len).max().unwrap_or(0);
+        let deepest = batch.iter().flat_map(|trees| &trees.levels).map(Vec::len).max().unwrap_or(0);
         // One more finds nothing, and so the end.
         Ok(deepest as u32 + 1)
+    }
+
+    /// The levels after some, each in a slot, and in one more who of the initial components is reached; words of all slots.
+    fn levels(&self, levels: Range<u32>, bound: &Bound, steps: &mut Vec<Step<'a>>) -> usize {
+        let words = (levels.len() + 1) * self.trees();
+        steps.push(Step::Clear { buffer: &self.work.counts, from: 0, bytes: words as u64 * 4 });
+        for (slot, level) in (0..).zip(levels.clone()) {
+            self.level(level + 1, bound, steps);
+            self.count(&bound.count[(level + 1) as usize % 2], slot, steps);
+        }
+        let to = (levels.end + 1) as usize % 2;
+        if self.kept(to, bound, steps) {
+            self.count(&bound.count[to], levels.len() as u32, steps);
+        }
+        words
+    }
+
+    /// Words for the cores, `at` words behind the first.
+    fn copy(&self, (from, words): (&'a Buffer, usize), at: usize, steps: &mut Vec<Step<'a>>) {
+        if words > 0 {
+            let [to_at, bytes] = [at, words].map(|n| n as u64 * 4);
+            steps.push(Step::Copy { from, at: 0, to: &self.work.staging, to_at, bytes });
+        }
+    }
+
+    /// Adds the levels in all slots but the last, and what is in that if they are all; whether they may not be.
+    fn add_levels(&self, slots: &[u32], batch: &mut [Trees]) -> bool {
+        let (levels, kept) = slots.split_at(slots.len() - self.trees());
+        let mut grows = false;
+        for counts in levels.chunks_exact(self.trees()) {
+            grows = self.add_level(counts, batch);
+        }
+        if !grows {
+            self.for_each_tree(|tree, layout, place| batch[layout].kept[place] = kept[tree]);
+        }
+        grows
     }
 
     fn trees(&self) -> usize {
@@ -127,18 +146,18 @@ impl<'a> Walk<'a> {
     }
 
     /// Adds a level; whether any tree has it.
-    fn add_level(&self, counts: &[u32], batch: &mut Batch) -> bool {
+    fn add_level(&self, counts: &[u32], batch: &mut [Trees]) -> bool {
         let mut grows = false;
         self.for_each_tree(|tree, layout, place| {
             if counts[tree] > 0 {
-                batch.levels[layout][place].push(counts[tree]);
+                batch[layout].levels[place].push(counts[tree]);
                 grows = true;
             }
         });
         grows
     }
 
-    fn bound(&self, block: usize) -> Bound {
+    fn bound(&self, block: usize) -> BoundBlock {
         let (gpu, work, store) = (&self.store.gpu, self.work, self.store);
         let (rows, seen) = (&self.store.blocks[block].rows, &self.seen[block]);
         let Work { sight, missing, fronts, sums, awake, .. } = work;
@@ -149,7 +168,7 @@ impl<'a> Walk<'a> {
         let kept = |labels: &Buffer| {
             [0, 1].map(|to| gpu.bind(&gpu.kept, &[rows, sight, labels, missing, &fronts[to], sums]))
         };
-        Bound {
+        BoundBlock {
             begin: gpu.bind(&gpu.begin, &[rows, sight, &store.root_at, missing, &fronts[0], sums, awake]),
             step: [0, 1].map(step),
             kept: store.labels.as_ref().map(kept),
@@ -181,19 +200,19 @@ impl<'a> Walk<'a> {
         all * self.layouts as usize * 2
     }
 
-    fn add_degrees(&self, words: &[u32], batch: &mut Batch) {
+    fn add_degrees(&self, words: &[u32], batch: &mut [Trees]) {
         let roots = &self.store.roots;
         for (layout, degrees) in words.chunks_exact(roots.len() * 2).enumerate() {
             for (root, degrees) in roots.iter().zip(degrees.chunks_exact(2)) {
-                batch.degrees[layout][root.1 as usize] = [degrees[0], degrees[1]];
+                batch[layout].degrees[root.1 as usize] = [degrees[0], degrees[1]];
             }
         }
     }
 
-    fn begin(&self, bound: &[Bound], steps: &mut Vec<Step<'a>>) {
+    fn begin(&self, bound: &Bound, steps: &mut Vec<Step<'a>>) {
         let (stage, awake) = (&self.store.gpu.begin, &self.work.awake);
         steps.push(Step::Clear { buffer: awake, from: 0, bytes: awake.size() });
-        for (block, bound) in self.store.blocks.iter().zip(bound) {
+        for (block, bound) in self.store.blocks.iter().zip(&bound.blocks) {
             let params = block.params(self.params());
             let groups = groups(u64::from(block.tiles) * u64::from(params.words), self.layouts);
             steps.push(Step::Run { stage, buffers: bound.begin.clone(), params, groups });
@@ -201,9 +220,9 @@ impl<'a> Walk<'a> {
     }
 
     /// The stage "step", a block and a part of its tiles after the other.
-    fn level(&self, level: u32, bound: &[Bound], steps: &mut Vec<Step<'a>>) {
+    fn level(&self, level: u32, bound: &Bound, steps: &mut Vec<Step<'a>>) {
         let (stage, shape) = (&self.store.gpu.step, self.store.shape);
-        for (block, bound) in self.store.blocks.iter().zip(bound) {
+        for (block, bound) in self.store.blocks.iter().zip(&bound.blocks) {
             for pass in 0..shape.passes {
                 let params = Params {
                     level,
@@ -219,14 +238,14 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The stage "kept" after so many levels, where there is an initial layout; whether there is.
-    fn kept(&self, done: u32, bound: &[Bound], steps: &mut Vec<Step<'a>>) -> bool {
+    /// The stage "kept" into one of two frontiers, where there is an initial layout; whether there is.
+    fn kept(&self, to: usize, bound: &Bound, steps: &mut Vec<Step<'a>>) -> bool {
         let stage = &self.store.gpu.kept;
-        for (block, bound) in self.store.blocks.iter().zip(bound) {
+        for (block, bound) in self.store.blocks.iter().zip(&bound.blocks) {
             let Some(buffers) = &bound.kept else { return false };
             let params = block.params(self.params());
             let groups = groups(u64::from(block.tiles) * u64::from(params.words), self.layouts);
-            let buffers = buffers[(done + 1) as usize % 2].clone();
+            let buffers = buffers[to].clone();
             steps.push(Step::Run { stage, buffers, params, groups });
         }
         true
