@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use wgpu::Buffer;
 
-use super::rows::{Block, SQUARE};
-use super::shape::Shape;
+use super::rows::Block;
+use super::shape::{SQUARE, Shape};
 use super::store::{Store, Work, local};
 use super::walk::{Trees, Walk};
 use super::{Gpu, Params, SEGMENTS_PER_PASS, Step, groups};

@@ -4,14 +4,12 @@ use std::cmp::Reverse;
 
 use wgpu::Buffer;
 
-use super::shape::Extent;
+use super::shape::{Extent, SQUARE};
 use super::{Gpu, Params};
 use crate::graph::Graph;
 
-/// Words of a tile's head, and pairs of words of a square in `seen`; `HEAD` and `SQUARE` in `shaders/params.wgsl`, which
-/// says what they are.
+/// Words of a tile's head; `HEAD` in `shaders/params.wgsl`, which says what they are.
 const HEAD: usize = 14;
-pub(super) const SQUARE: usize = 10;
 
 /// Where the masks of a square's eight viewers stand; `EACH`.
 const EACH: usize = 2;

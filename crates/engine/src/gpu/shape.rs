@@ -1,6 +1,7 @@
 //! How the work of a card is cut: no buffer, dispatch or loop is larger than an adapter takes.
 
-use super::rows::SQUARE;
+/// Pairs of words of a square in `seen`; `SQUARE` in `shaders/params.wgsl`, which says what they are.
+pub(super) const SQUARE: usize = 10;
 
 /// Words of a tile on a frontier, and words of its sums; `SLOTS` and `SUMS` in `shaders/params.wgsl`.
 pub(super) const SLOTS: u64 = 73;

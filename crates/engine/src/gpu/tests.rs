@@ -2,8 +2,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{TestCaseError, TestRunner};
 
 use super::forest::CardForest;
-use super::rows::SQUARE;
-use super::shape::{Extent, LEVELS_MAX, SLOTS, SUMS, Shape, step_iterations};
+use super::shape::{Extent, LEVELS_MAX, SLOTS, SQUARE, SUMS, Shape, step_iterations};
 use super::store::ORDINATE_UM_MAX;
 use super::*;
 use crate::Tally;
