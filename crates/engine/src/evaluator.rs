@@ -49,6 +49,31 @@ enum Draw {
     Even(usize, u64),
 }
 
+/// Roots whose trees are walked on the cores as well where a card walks all: one wave.
+const COMPARED: usize = 512;
+
+/// Why a graphics card is not asked.
+const OVER_STAIRS: &str = "steps over stairs are counted on the cores alone";
+
+fn differs(gpu: &Gpu) -> String {
+    format!("{} measures the present layout differently", gpu.name())
+}
+
+/// A tally of all trees with those at some places alone, ascending.
+fn with_trees_of(mut tally: Tally, places: &[u32]) -> Tally {
+    let all = std::mem::take(&mut tally.levels);
+    let mut at = 0;
+    for (i, depth) in tally.depth.iter_mut().enumerate() {
+        let own = &all[at..at + *depth as usize];
+        at += own.len();
+        match places.binary_search(&(i as u32)) {
+            Ok(_) => tally.levels.extend(own),
+            Err(_) => *depth = 0,
+        }
+    }
+    tally
+}
+
 /// Buffers of one thread.
 pub struct Scratch {
     dense: DenseScratch,
@@ -64,6 +89,35 @@ impl Evaluator {
         initial_moving: &Obstacles,
         roots: Option<(usize, u64)>,
     ) -> Self {
+        let mut new = Self::prepared(lattice, fixed, initial_moving);
+        new.begin(initial_moving, roots.map(|(n, seed)| Draw::Even(n, seed)));
+        if let (Some(dense), Some(sample)) = (&mut new.dense, &new.sample) {
+            dense.set_roots(&sample.places);
+        }
+        new
+    }
+
+    /// [`new`](Self::new) with all trees of the initial layout walked on a graphics card. Those of some roots are walked on
+    /// the cores too, and must be the same.
+    ///
+    /// # Errors
+    /// Why the card cannot, in words for the report.
+    pub fn on_card(
+        gpu: &Arc<Gpu>,
+        lattice: Arc<Lattice>,
+        fixed: &[Segment],
+        initial_moving: &Obstacles,
+    ) -> Result<Self, String> {
+        if lattice.beyond.is_some() {
+            return Err(OVER_STAIRS.into());
+        }
+        let mut new = Self::prepared(lattice, fixed, initial_moving);
+        let graph = new.look(initial_moving);
+        new.initial = new.walked(gpu, &graph)?;
+        Ok(new)
+    }
+
+    fn prepared(lattice: Arc<Lattice>, fixed: &[Segment], initial_moving: &Obstacles) -> Self {
         let mut scratch = Scratch { dense: DenseScratch::default() };
         let (mut dense, mut broad) = (None, None);
         // What nothing is prepared for needs no graph, which may be large.
@@ -74,12 +128,7 @@ impl Evaluator {
             broad = if dense.is_none() { Broad::new(&lattice, &under_fixed) } else { None };
         }
         let dense = dense.and_then(|mut d| d.set_initial(initial_moving, &mut scratch.dense).then_some(d));
-        let mut new = Self { dense, broad, ..Self::bare(lattice, fixed) };
-        new.begin(initial_moving, roots.map(|(n, seed)| Draw::Even(n, seed)));
-        if let (Some(dense), Some(sample)) = (&mut new.dense, &new.sample) {
-            dense.set_roots(&sample.places);
-        }
-        new
+        Self { dense, broad, ..Self::bare(lattice, fixed) }
     }
 
     /// An evaluator for few layouts, which are measured by what they change: to prepare more takes as long as some dozens of
@@ -128,10 +177,7 @@ impl Evaluator {
 
     /// Measures the initial layout, with trees of all roots or of those drawn; its graph.
     fn begin(&mut self, moving: &Obstacles, draw: Option<Draw>) -> Graph {
-        self.initial_moving = moving.clone();
-        let graph = visibility_graph(&self.lattice, &self.whole(moving));
-        self.initial_components = graph.components();
-        self.initial_edges = graph.edge_count();
+        let graph = self.look(moving);
         self.sample = draw.map(|draw| match draw {
             Draw::InAreas(roots, seed) => {
                 Sample::draw(&self.lattice, &self.initial_components, &moving.blind, roots, seed)
@@ -140,6 +186,27 @@ impl Evaluator {
         });
         self.initial = self.tally(&graph, moving);
         graph
+    }
+
+    /// Who sees whom in the initial layout.
+    fn look(&mut self, moving: &Obstacles) -> Graph {
+        self.initial_moving = moving.clone();
+        let graph = visibility_graph(&self.lattice, &self.whole(moving));
+        self.initial_components = graph.components();
+        self.initial_edges = graph.edge_count();
+        graph
+    }
+
+    /// All trees, by a graphics card that agrees with the cores on some.
+    fn walked(&self, gpu: &Arc<Gpu>, graph: &Graph) -> Result<Tally, String> {
+        let card = CardForest::new(Arc::clone(gpu), Arc::clone(&self.lattice), graph, None, 1)?;
+        let tally = card.tallies(&[Obstacles::default()])?.pop().unwrap_or_default();
+        let roots = self.lattice.query.len();
+        let places: Vec<u32> = (0..roots as u32).step_by(roots.div_ceil(COMPARED)).collect();
+        if with_trees_of(tally.clone(), &places) != tally_of(&self.lattice, graph, Some(&places), None) {
+            return Err(differs(gpu));
+        }
+        Ok(tally)
     }
 
     /// The initial layout to look at.
@@ -223,16 +290,23 @@ impl Evaluator {
     /// Why the card cannot, in words for the report; the cores go on.
     pub fn attach(&mut self, gpu: Arc<Gpu>, initial_moving: &Obstacles, layouts: u32) -> Result<(), String> {
         if self.lattice.beyond.is_some() {
-            return Err("steps over stairs are counted on the cores alone".into());
+            return Err(OVER_STAIRS.into());
         }
         let components = Some(self.initial_components.as_slice());
-        let card = CardForest::new(gpu, Arc::clone(&self.lattice), &self.fixed, components, layouts)?;
+        let under_fixed = Obstacles { segments: self.fixed.clone(), blind: Vec::new() };
+        let under_fixed = visibility_graph(&self.lattice, &under_fixed);
+        let card = CardForest::new(gpu, Arc::clone(&self.lattice), &under_fixed, components, layouts)?;
         let found = card.tallies(std::slice::from_ref(initial_moving))?;
         if found.into_iter().map(|t| self.of_roots(t)).ne([self.initial.clone()]) {
-            return Err(format!("{} measures the present layout differently", card.gpu().name()));
+            return Err(differs(card.gpu()));
         }
         self.card = Some(card);
         Ok(())
+    }
+
+    /// Measures on the cores alone from now on.
+    pub fn detach(&mut self) {
+        self.card = None;
     }
 
     /// The same bits as [`evaluate`](Self::evaluate) of each layout, all at once on the graphics card; none
@@ -249,19 +323,11 @@ impl Evaluator {
     }
 
     /// A tally of all trees, with those alone that are walked here.
-    fn of_roots(&self, mut tally: Tally) -> Tally {
-        let Some(sample) = &self.sample else { return tally };
-        let all = std::mem::take(&mut tally.levels);
-        let mut at = 0;
-        for (i, depth) in tally.depth.iter_mut().enumerate() {
-            let own = &all[at..at + *depth as usize];
-            at += own.len();
-            match sample.places.binary_search(&(i as u32)) {
-                Ok(_) => tally.levels.extend(own),
-                Err(_) => *depth = 0,
-            }
+    fn of_roots(&self, tally: Tally) -> Tally {
+        match &self.sample {
+            Some(sample) => with_trees_of(tally, &sample.places),
+            None => tally,
         }
-        tally
     }
 
     fn evaluate_whole(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {

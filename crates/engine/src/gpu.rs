@@ -1,5 +1,13 @@
 //! The graphics card: one adapter, opened once, tried out before it is trusted. The stages are the files
-//! of `shaders/`; each has its twin on the cores and returns the same integers.
+//! of `shaders/`, in this order:
+//!
+//! ```text
+//! shade ─► share ─► degrees ─► begin ─► step, count ─► … ─► kept, count
+//! ```
+//!
+//! What is seen without the walls that move comes from the cores' sweep, as rows of tiles. `shade` leaves of it what the
+//! walls of a layout leave, so that a layout costs its walls alone to send. `step` walks from 32 roots a word as the waves of
+//! the cores do. All integers are those of the cores.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -19,23 +27,28 @@ use super::visibility::visibility_graph_serial;
 use super::{Lattice, Obstacles};
 
 pub mod forest;
+mod rows;
+mod shape;
+mod store;
 #[cfg(test)]
 mod tests;
+mod walk;
 
 use forest::CardForest;
 
-/// Loop iterations of one invocation, all its loops together, at most: Mesa's software adapter stops
-/// loops silently at 65,535.
+/// Loop iterations of one invocation, all its loops together, at most, on adapters in software: Mesa's stops loops
+/// silently at 65,535.
 pub const LOOP_ITERATIONS_MAX: u32 = 60_000;
 
-/// Walls one invocation compares: each with up to 32 cells and once as a whole.
-pub(super) const SEGMENTS_PER_PASS: u32 = LOOP_ITERATIONS_MAX / 33;
-
-/// Rows of the matrix one invocation gathers: 32 a word, and the word itself.
-pub(super) const ROWS_PER_PASS: u32 = LOOP_ITERATIONS_MAX / 33 * 32;
+/// Walls one invocation compares: each once as a whole, with up to 64 cells, and with these again where that is not sure.
+pub(super) const SEGMENTS_PER_PASS: u32 = LOOP_ITERATIONS_MAX / 129;
 
 /// Invocations of a workgroup; the shaders say the same.
 pub(super) const GROUP: u32 = 64;
+
+/// Invocations along the first axis of a dispatch, at most; `LINE` in `shaders/params.wgsl`. The others are along the
+/// third.
+const LINE: u64 = 1 << 21;
 
 /// Dispatches of one submission, at most.
 const STEPS_PER_SUBMISSION: usize = 1024;
@@ -47,19 +60,31 @@ const PARAMS_STRIDE: usize = 256;
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(super) struct Params {
-    pub words: u32,
-    pub first_row: u32,
-    pub rows: u32,
-    pub first_segment: u32,
-    pub segments: u32,
-    pub is_first: u32,
+    pub vertices: u32,
+    pub tiles: u32,
     pub layouts: u32,
+    pub first_tile: u32,
+    pub block_tiles: u32,
+    pub squares: u32,
+    pub squares_at: u32,
     pub roots: u32,
     pub first_root: u32,
+    pub all_roots: u32,
+    pub words: u32,
     pub level: u32,
-    pub slot_before: u32,
+    pub first_square: u32,
+    pub pass_squares: u32,
+    pub is_last: u32,
     pub slot: u32,
-    pub vertices: u32,
+    pub first_segment: u32,
+    pub segments: u32,
+    pub spacing: u32,
+}
+
+/// Workgroups of a dispatch of so many invocations for each layout.
+pub(super) fn groups(invocations: u64, layouts: u32) -> [u32; 3] {
+    let along = invocations.min(LINE).div_ceil(u64::from(GROUP)) as u32;
+    [along, layouts, invocations.div_ceil(LINE) as u32]
 }
 
 /// One stage: its shader, and which of its buffers (from binding 1) it writes.
@@ -71,14 +96,18 @@ pub(super) struct Stage {
 const PARAMS_WGSL: &str = include_str!("../../../shaders/params.wgsl");
 
 /// Name, source and, for bindings 1.., whether the stage writes them.
-const STAGES: [(&str, &str, &[bool]); 3] = [
+const STAGES: [(&str, &str, &[bool]); 7] = [
+    ("shade", include_str!("../../../shaders/shade.wgsl"), &[false, false, false, false, false, false, true]),
+    ("share", include_str!("../../../shaders/share.wgsl"), &[false, false, true]),
+    ("degrees", include_str!("../../../shaders/degrees.wgsl"), &[false, false, false, false, false, true]),
+    ("begin", include_str!("../../../shaders/begin.wgsl"), &[false, false, false, true, true, true, true]),
     (
-        "visibility",
-        include_str!("../../../shaders/visibility.wgsl"),
-        &[false, false, false, false, false, false, true],
+        "step",
+        include_str!("../../../shaders/step.wgsl"),
+        &[false, false, false, true, false, true, true, true],
     ),
-    ("frontier", include_str!("../../../shaders/frontier.wgsl"), &[false, false, false, false, true]),
-    ("levels", include_str!("../../../shaders/levels.wgsl"), &[true, true, true, true, true, false, false]),
+    ("count", include_str!("../../../shaders/count.wgsl"), &[false, false, true]),
+    ("kept", include_str!("../../../shaders/kept.wgsl"), &[false, false, false, false, true, true]),
 ];
 
 /// What is recorded before it is submitted.
@@ -92,9 +121,13 @@ pub(super) enum Step<'a> {
 pub struct Gpu {
     device: Device,
     queue: Queue,
-    pub(super) visibility: Stage,
-    pub(super) frontier: Stage,
-    pub(super) levels: Stage,
+    pub(super) shade: Stage,
+    pub(super) share: Stage,
+    pub(super) degrees: Stage,
+    pub(super) begin: Stage,
+    pub(super) step: Stage,
+    pub(super) count: Stage,
+    pub(super) kept: Stage,
     params: Buffer,
     /// Held while the parameters are written and read by a submission: they have one buffer.
     turn: Mutex<()>,
@@ -162,7 +195,8 @@ impl Gpu {
             usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let [visibility, frontier, levels] = STAGES.map(|(n, s, w)| stage(&device, n, s, w));
+        let [shade, share, degrees, begin, step, count, kept] =
+            STAGES.map(|(n, s, w)| stage(&device, n, s, w));
         let name = if info.driver_info.is_empty() {
             format!("{} ({:?})", info.name, info.backend)
         } else {
@@ -172,9 +206,13 @@ impl Gpu {
         Self {
             device,
             queue,
-            visibility,
-            frontier,
-            levels,
+            shade,
+            share,
+            degrees,
+            begin,
+            step,
+            count,
+            kept,
             params,
             turn: Mutex::new(()),
             name,
@@ -201,9 +239,9 @@ impl Gpu {
         limit.min(1 << 33)
     }
 
-    /// Workgroups along one side of a dispatch.
-    pub(super) fn groups_max(&self) -> u32 {
-        self.limits.max_compute_workgroups_per_dimension
+    /// Loop iterations that one invocation may have.
+    pub(super) fn iterations_max(&self) -> u64 {
+        if self.is_software { LOOP_ITERATIONS_MAX.into() } else { u64::MAX }
     }
 
     /// A buffer of at least `words` words.
@@ -357,9 +395,9 @@ pub(super) const TEST_SEGMENTS: u32 = 2 * SEGMENTS_PER_PASS + 40;
 /// Compares a plan, above what an adapter may stop at, with the cores.
 fn self_test(gpu: &Arc<Gpu>) -> Result<(), String> {
     let (lattice, obstacles) = test_plan();
-    let graph = visibility_graph_serial(&lattice, &obstacles);
-    let expected = tally(&lattice, &graph, None);
-    let forest = CardForest::new(Arc::clone(gpu), lattice, &[], None, 1)?;
+    let expected = tally(&lattice, &visibility_graph_serial(&lattice, &obstacles), None);
+    let unmoved = visibility_graph_serial(&lattice, &Obstacles::default());
+    let forest = CardForest::new(Arc::clone(gpu), lattice, &unmoved, None, 1)?;
     let found = forest.tallies(&[obstacles])?;
     if found != [expected] {
         return Err(format!("{} computes wrong results: it failed the test at the start", gpu.name));

@@ -32,7 +32,7 @@ pub mod forest {
     use std::sync::Arc;
 
     use super::Gpu;
-    use crate::geometry::Segment;
+    use crate::graph::Graph;
     use crate::{Lattice, Obstacles, Tally};
 
     /// There is none.
@@ -46,7 +46,7 @@ pub mod forest {
         pub fn new(
             gpu: Arc<Gpu>,
             _lattice: Arc<Lattice>,
-            _fixed: &[Segment],
+            _graph: &Graph,
             _components: Option<&[u32]>,
             _layouts: u32,
         ) -> Result<Self, String> {

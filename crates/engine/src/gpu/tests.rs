@@ -1,11 +1,16 @@
 use proptest::prelude::*;
-use proptest::test_runner::TestCaseError;
+use proptest::test_runner::{TestCaseError, TestRunner};
 
-use super::forest::{CardForest, LEVELS_PER_SUBMISSION, MATRIX_BYTES_MAX, ORDINATE_UM_MAX, Shape};
+use super::forest::CardForest;
+use super::shape::{Extent, LEVELS_MAX, SLOTS, SQUARE, SUMS, Shape, step_iterations};
+use super::store::ORDINATE_UM_MAX;
 use super::*;
-use crate::Lattice;
+use crate::Tally;
 use crate::evaluator::Evaluator;
 use crate::fixtures;
+use crate::forest::{Initial, tally_of};
+use crate::geometry::Segment;
+use crate::graph::Graph;
 use crate::visibility::visibility_graph;
 
 /// Whatever adapter there is; in CI there must be one.
@@ -24,17 +29,23 @@ fn adapter() -> Option<Arc<Gpu>> {
 fn loops_stay_below_the_limit() {
     // 65,535 is where Mesa stops them.
     const { assert!(LOOP_ITERATIONS_MAX < 65_535) };
-    // The walls, and 32 cells for each; the words of a block, and 32 rows for each.
-    const { assert!(SEGMENTS_PER_PASS + SEGMENTS_PER_PASS * 32 <= LOOP_ITERATIONS_MAX) };
-    const { assert!(ROWS_PER_PASS / 32 + ROWS_PER_PASS <= LOOP_ITERATIONS_MAX) };
+    const { assert!(SEGMENTS_PER_PASS * (1 + 2 * 64) <= LOOP_ITERATIONS_MAX) };
     // The start-up test needs more in all than an adapter may stop at.
-    const { assert!(TEST_SEGMENTS * 33 > 65_535) };
-    let shape = Shape::new(3_000_000, 10, 1, 1 << 40, u32::MAX);
-    assert_eq!(shape.rows, ROWS_PER_PASS);
+    const { assert!(TEST_SEGMENTS * 129 > 65_535) };
+    let most = u64::from(LOOP_ITERATIONS_MAX);
+    for (row, near) in [(1, 1), (20, 40), (300, 400), (20_000, 20_000)] {
+        let of = Extent { tiles: near, roots: 1, squares: 1, row, near };
+        let shape = Shape::new(of, 1, (1 << 30, most)).unwrap();
+        assert!(step_iterations(of, shape.pass_squares) <= most, "{row} {near}");
+        assert!(shape.pass_squares * shape.passes >= row && shape.pass_squares <= row);
+    }
+    let hall = Extent { tiles: 30_000, roots: 1, squares: 1, row: 30_000, near: 30_000 };
+    assert_eq!(Shape::new(hall, 1, (1 << 30, u64::MAX)).unwrap().passes, 1);
+    assert!(Shape::new(hall, 1, (1 << 30, most)).is_err_and(|why| why.contains("see 30000 tiles")));
 }
 
 #[test]
-fn parameters_lie_where_the_shaders_read_them() {
+fn numbers_are_those_of_the_shaders() {
     let module = wgpu::naga::front::wgsl::parse_str(PARAMS_WGSL).unwrap();
     let (_, found) = module.types.iter().find(|t| t.1.name.as_deref() == Some("Params")).unwrap();
     let wgpu::naga::TypeInner::Struct { members, span } = &found.inner else { panic!("not a struct") };
@@ -42,105 +53,157 @@ fn parameters_lie_where_the_shaders_read_them() {
     macro_rules! written {
         ($($field:ident)*) => { vec![$((stringify!($field), std::mem::offset_of!(Params, $field) as u32)),*] };
     }
-    let written = written!(words first_row rows first_segment segments is_first layouts roots first_root
-        level slot_before slot vertices);
+    let written = written!(vertices tiles layouts first_tile block_tiles squares squares_at roots first_root
+        all_roots words level first_square pass_squares is_last slot first_segment segments spacing);
     assert_eq!(read, written);
     assert_eq!(*span as usize, size_of::<Params>());
     const { assert!(size_of::<Params>() <= PARAMS_STRIDE) };
+    for (name, number) in [("LINE", LINE), ("SLOTS", SLOTS), ("SUMS", SUMS), ("SQUARE", SQUARE as u64)] {
+        assert!(PARAMS_WGSL.contains(&format!("const {name}: u32 = {number}u;")), "{name}");
+    }
     for (name, source, _) in STAGES {
         assert!(source.contains(&format!("@workgroup_size({GROUP})")), "{name}");
     }
 }
 
-#[test]
-fn a_matrix_that_is_too_large_stays_on_the_cores() {
-    let Some(gpu) = adapter() else { return };
-    let n = 140_000;
-    const { assert!(140_000 * 140_000 / 8 > MATRIX_BYTES_MAX) };
-    let lattice = Lattice {
-        spacing_um: 1_000_000,
-        origin_um: [0, 0],
-        cells: (0..n).map(|i| [i % 400, i / 400]).collect(),
-        query: vec![0],
-        is_reference: vec![true; n as usize],
-        beyond: None,
-    };
-    let why = CardForest::new(gpu, Arc::new(lattice), &[], None, 1).err().unwrap();
-    assert!(why.contains("140000 cells"), "{why}");
-}
-
 proptest! {
     #[test]
     fn no_buffer_passes_the_limit(
-        n in 1u32..300_000,
-        roots in 1u32..300_000,
-        layouts in 1u32..40,
-        mebibytes in 8u64..4096,
+        tiles in 1u32..20_000,
+        roots in 1u32..1_000_000,
+        squares in 1u64..300_000,
+        layouts in 1u32..80,
+        mebibytes in 32u64..4096,
     ) {
         let bytes = mebibytes << 20;
-        let shape = Shape::new(n, roots.min(n), layouts, bytes, 65_535);
-        let row = u64::from(shape.words) * 4;
-        prop_assert!(u64::from(shape.layouts) * u64::from(shape.rows) * row <= bytes);
-        prop_assert!(u64::from(shape.layouts) * u64::from(shape.roots) * row <= bytes);
-        prop_assert!((shape.roots * shape.words).div_ceil(GROUP) <= 65_535);
-        prop_assert!(shape.rows.is_multiple_of(32) && shape.rows <= ROWS_PER_PASS);
-        let rows: u32 = shape.blocks().map(|b| b.1).sum();
-        prop_assert_eq!(rows, n);
-        prop_assert!(shape.layouts == 1 || shape.blocks().count() == 1);
+        let of = Extent { tiles, roots, squares, row: 9, near: 30 };
+        let shape = Shape::new(of, layouts, (bytes, u64::MAX)).unwrap();
+        let words = u64::from(shape.layouts) * u64::from(shape.words);
+        prop_assert!((1..=layouts).contains(&shape.layouts) && shape.words >= 1);
+        prop_assert!(words * u64::from(tiles) * SLOTS * 4 <= bytes);
+        prop_assert!(words * 32 * u64::from(shape.levels + 1) * 4 <= bytes);
+        prop_assert!(shape.layouts == 1 || u64::from(shape.layouts) * squares * SQUARE as u64 * 8 <= bytes);
+        prop_assert!(shape.layouts == 1 || shape.roots() >= roots);
+        prop_assert!((2..=LEVELS_MAX).contains(&shape.levels));
+        let [x, y, z] = groups(u64::from(tiles) * u64::from(shape.words), shape.layouts);
+        prop_assert!(x.max(y).max(z) <= 65_535);
+        prop_assert!(u64::from(x) * u64::from(GROUP) * u64::from(z) >= u64::from(tiles) * u64::from(shape.words));
     }
 }
 
-/// The card's graph and tally of one layout against the cores'.
+/// How a small plan is cut, so that all passes are taken: bytes of a buffer, and squares of a pass.
+#[derive(Clone, Copy, Debug)]
+struct Cut {
+    bytes: u64,
+    squares: u32,
+}
+
+const WHOLE: Cut = Cut { bytes: 1 << 27, squares: u32::MAX };
+
+fn on_card(
+    gpu: &Arc<Gpu>,
+    lattice: &Arc<Lattice>,
+    graph: &Graph,
+    components: Option<&[u32]>,
+    (layouts, cut): (u32, Cut),
+) -> Result<CardForest, String> {
+    let by = |shape: Shape| {
+        let pass_squares = shape.pass_squares.min(cut.squares);
+        let passes = (shape.pass_squares * shape.passes).div_ceil(pass_squares);
+        Shape { pass_squares, passes, ..shape }
+    };
+    CardForest::with_bytes(Arc::clone(gpu), Arc::clone(lattice), graph, components, (layouts, cut.bytes), by)
+}
+
+/// Tallies of layouts on the card and on the cores; the first layout is the present one.
 fn compare(
     gpu: &Arc<Gpu>,
-    lattice: Lattice,
-    obstacles: Obstacles,
-    rows: Option<u32>,
+    lattice: &Arc<Lattice>,
+    fixed: &[Segment],
+    layouts: &[Obstacles],
+    cut: Cut,
 ) -> Result<(), TestCaseError> {
-    let n = lattice.cells.len() as u32;
-    if n == 0 {
-        return Ok(());
-    }
-    let lattice = Arc::new(lattice);
-    let mut shape = Shape::new(n, lattice.query.len() as u32, 1, 1 << 27, 65_535);
-    if let Some(rows) = rows {
-        (shape.rows, shape.roots) = (rows.min(shape.words * 32), 7);
-    }
-    let on_card =
-        |fixed: &[Segment]| CardForest::with_shape(Arc::clone(gpu), Arc::clone(&lattice), fixed, None, shape);
-    let graph = visibility_graph(&lattice, &obstacles);
-    let expected = tally(&lattice, &graph, None);
-    let found = on_card(&[]).and_then(|f| f.tallies(std::slice::from_ref(&obstacles)));
-    prop_assert_eq!(found, Ok(vec![expected]), "{:?} {:?}", &obstacles, shape);
-    let unblind = Obstacles { blind: vec![], ..obstacles };
-    let graph = visibility_graph(&lattice, &unblind);
-    let found = on_card(&unblind.segments).and_then(|f| f.fixed_graph()).map_err(TestCaseError::fail)?;
-    prop_assert_eq!(&found.entry_tile, &graph.entry_tile);
-    prop_assert_eq!(&found.entry_mask, &graph.entry_mask);
-    prop_assert_eq!(found.degree, graph.degree);
+    let whole = |layout: &Obstacles| Obstacles {
+        segments: [fixed, &layout.segments].concat(),
+        blind: layout.blind.clone(),
+    };
+    let components = visibility_graph(lattice, &whole(&layouts[0])).components();
+    let expected: Vec<Tally> = layouts
+        .iter()
+        .map(|layout| {
+            let initial = Initial { components: &components, covered: &layout.blind };
+            tally_of(lattice, &visibility_graph(lattice, &whole(layout)), None, Some(initial))
+        })
+        .collect();
+    let unmoved = visibility_graph(lattice, &Obstacles { segments: fixed.to_vec(), blind: vec![] });
+    let forest = on_card(gpu, lattice, &unmoved, Some(&components), (layouts.len() as u32, cut));
+    let found = forest.and_then(|f| f.tallies(layouts));
+    prop_assert_eq!(found, Ok(expected), "{:?} {:?} {:?}", fixed, layouts, cut);
     Ok(())
 }
 
-/// Walls on lattice lines, ends on centres, collinear, touching, 45°, points, a micrometre off; in one
-/// block and in several.
+/// Walls on lattice lines, ends on centres, collinear, touching, 45°, points, a micrometre off, shared out between those
+/// that stay and those that move by layout; solids; parts of the cells as regions; in one block and pass and in several.
 #[test]
 fn degenerate_plans_equal_the_cores() {
     let Some(gpu) = adapter() else { return };
-    let mut runner =
-        proptest::test_runner::TestRunner::new(ProptestConfig { cases: 300, ..Default::default() });
-    let blocks = prop_oneof![Just(None), Just(Some(32))];
-    let plans = (fixtures::plans(), blocks);
-    runner.run(&plans, |((lattice, obstacles), rows)| compare(&gpu, lattice, obstacles, rows)).unwrap();
+    let mut runner = TestRunner::new(ProptestConfig { cases: 300, ..Default::default() });
+    let cut = prop_oneof![
+        Just(WHOLE),
+        Just(Cut { bytes: 4096, squares: 1 }),
+        Just(Cut { bytes: 9000, squares: 2 })
+    ];
+    let plans = (fixtures::plans(), any::<u64>(), 1u32..4, 1u32..4, cut);
+    runner
+        .run(&plans, |((mut lattice, obstacles), share, every, layouts, cut)| {
+            lattice.query.retain(|v| v.wrapping_add(share as u32).is_multiple_of(every));
+            prop_assume!(!lattice.query.is_empty());
+            lattice.is_reference.iter_mut().enumerate().for_each(|(v, r)| *r = v % 5 != 2);
+            let stands = |layout: u32, wall: usize| share.rotate_left(7 * layout + wall as u32) & 3 == 0;
+            let part = |layout: u32| -> Vec<Segment> {
+                let chosen = obstacles.segments.iter().enumerate().filter(|(i, _)| stands(layout, *i));
+                chosen.map(|(_, s)| *s).collect()
+            };
+            let blind = |layout: u32| -> Vec<u32> {
+                obstacles.blind.iter().copied().filter(|v| (v + layout).is_multiple_of(2)).collect()
+            };
+            let moving: Vec<Obstacles> =
+                (1..=layouts).map(|l| Obstacles { segments: part(l), blind: blind(l) }).collect();
+            compare(&gpu, &Arc::new(lattice), &part(0), &moving, cut)
+        })
+        .unwrap();
 }
 
-/// Coordinates as large as the card takes them: products of nearly 2^62.
+/// Mazes of some hundred cells: many tiles, areas that are cut off in one layout and not in the other.
+#[test]
+fn mazes_equal_the_cores() {
+    let Some(gpu) = adapter() else { return };
+    let mut runner = TestRunner::new(ProptestConfig { cases: 12, ..Default::default() });
+    let cut = prop_oneof![Just(WHOLE), Just(Cut { bytes: 40_000, squares: 3 })];
+    runner
+        .run(&(fixtures::mazes(30), cut, 1usize..60), |((lattice, obstacles), cut, moving)| {
+            let stays = obstacles.segments.len().saturating_sub(moving);
+            let (fixed, moving) = obstacles.segments.split_at(stays);
+            let layout = |segments: &[Segment], blind: &[u32]| Obstacles {
+                segments: segments.to_vec(),
+                blind: blind.to_vec(),
+            };
+            let half = moving.len() / 2;
+            let layouts =
+                [layout(moving, &[3]), layout(&moving[..half], &[]), layout(&moving[half..], &[7, 9])];
+            compare(&gpu, &Arc::new(lattice), fixed, &layouts, cut)
+        })
+        .unwrap();
+}
+
+/// Coordinates as large as the card takes them where walls move: products of nearly 2^62.
 #[test]
 fn the_largest_plans_equal_the_cores() {
     let Some(gpu) = adapter() else { return };
     let far = ORDINATE_UM_MAX - 3;
-    let s = 2 * far / 6;
+    let s = 2 * far / 9;
     let cells = (0..7).flat_map(|c| (0..7).map(move |r| [c, r])).collect();
-    let lattice = fixtures::lattice(s, [-3 * s, -3 * s], cells);
+    let lattice = Arc::new(fixtures::lattice(s, [-3 * s, -3 * s], cells));
     let wall = |a: [i64; 2], b: [i64; 2]| Segment { a, b };
     let diagonal = |off: i64| wall([-far, -far + off], [far - off, far]);
     for segments in [
@@ -150,11 +213,17 @@ fn the_largest_plans_equal_the_cores() {
         vec![wall([-far, 1], [far, 2]), wall([s / 2 - 1, -far], [s / 2, far])],
         vec![wall([-s + 1, -2 * s], [2 * s, s + 1]), wall([0, 0], [0, 0])],
     ] {
-        compare(&gpu, lattice.clone(), Obstacles { segments, blind: vec![] }, None).unwrap();
+        compare(&gpu, &lattice, &[], &[Obstacles { segments, blind: vec![] }], WHOLE).unwrap();
     }
-    let beyond = [Segment { a: [-2 * far, 0], b: [0, 5] }];
-    let refused = CardForest::new(gpu, Arc::new(lattice), &beyond, None, 1);
-    assert!(refused.is_err_and(|why| why.contains("more than 1073 m")));
+    let open = visibility_graph(&lattice, &Obstacles::default());
+    let forest = CardForest::new(Arc::clone(&gpu), Arc::clone(&lattice), &open, None, 1).unwrap();
+    let beyond = Obstacles { segments: vec![wall([-2 * far, 0], [0, 5])], blind: vec![] };
+    assert!(forest.tallies(&[beyond]).is_err_and(|why| why.contains("more than 1073 m")));
+    // What does not move may reach as far as it likes.
+    let cells = (0..40).flat_map(|c| (0..3).map(move |r| [c, r])).collect();
+    let wide = Arc::new(fixtures::lattice(1 << 29, [5, 7], cells));
+    let fixed = [wall([3 << 30, -9], [3 << 30, 1 << 29]), wall([9 << 30, 1 << 28], [9 << 30, 1 << 34])];
+    compare(&gpu, &wide, &fixed, &[Obstacles::default()], WHOLE).unwrap();
 }
 
 #[test]
@@ -162,30 +231,53 @@ fn plans_above_the_loop_limit_equal_the_cores() {
     let Some(gpu) = adapter() else { return };
     let (lattice, obstacles) = test_plan();
     assert!(obstacles.segments.len() as u32 > SEGMENTS_PER_PASS);
-    let graph = visibility_graph(&lattice, &obstacles);
-    let fewer = Obstacles {
-        segments: obstacles.segments[..SEGMENTS_PER_PASS as usize].to_vec(),
-        ..obstacles.clone()
+    let edges = |segments: &[Segment]| {
+        let some = Obstacles { segments: segments.to_vec(), ..obstacles.clone() };
+        visibility_graph(&lattice, &some).edge_count()
     };
-    assert_ne!(graph.edge_count(), visibility_graph(&lattice, &fewer).edge_count(), "the last walls decide");
-    let forest = CardForest::new(gpu, Arc::clone(&lattice), &[], None, 1).unwrap();
-    assert_eq!(forest.tallies(&[obstacles]).unwrap(), [tally(&lattice, &graph, None)]);
+    let all = &obstacles.segments;
+    assert_ne!(edges(all), edges(&all[..SEGMENTS_PER_PASS as usize]), "the last walls decide");
+    compare(&gpu, &lattice, &[], &[obstacles], WHOLE).unwrap();
 }
 
 #[test]
 fn trees_deeper_than_a_submission_equal_the_cores() {
     let Some(gpu) = adapter() else { return };
-    let cells: Vec<[i32; 2]> = (0..120).flat_map(|c| (0..4).map(move |r| [c, r])).collect();
+    let cells: Vec<[i32; 2]> = (0..300).flat_map(|c| (0..4).map(move |r| [c, r])).collect();
     let wall = |i: i64| {
         let (lo, hi) = if i % 2 == 0 { (-1, 25) } else { (5, 31) };
         Segment { a: [i * 10 + 5, lo], b: [i * 10 + 5, hi] }
     };
-    let lattice = fixtures::lattice(10, [0, 0], cells);
-    let obstacles = Obstacles { segments: (0..119).map(wall).collect(), blind: vec![] };
-    let graph = visibility_graph(&lattice, &obstacles);
+    let mut lattice = fixtures::lattice(10, [0, 0], cells);
+    lattice.query.retain(|v| v % 40 == 0);
+    let lattice = Arc::new(lattice);
+    let fixed: Vec<Segment> = (0..299).map(wall).collect();
+    let graph = visibility_graph(&lattice, &Obstacles { segments: fixed.clone(), blind: vec![] });
     let deepest = tally(&lattice, &graph, None).depth.into_iter().max();
-    assert!(deepest > Some(2 * LEVELS_PER_SUBMISSION));
-    compare(&gpu, lattice, obstacles, Some(64)).unwrap();
+    assert!(deepest > Some(2 * LEVELS_MAX));
+    let shut = Segment { a: [1505, -1], b: [1505, 31] };
+    let layouts = [vec![], vec![shut]].map(|segments| Obstacles { segments, blind: vec![] });
+    compare(&gpu, &lattice, &fixed, &layouts, WHOLE).unwrap();
+}
+
+/// A matrix of so many cells would take 200 MB; and a hall where nothing stands takes several passes.
+#[test]
+fn large_lattices_equal_the_cores() {
+    let Some(gpu) = adapter() else { return };
+    let (mut lattice, obstacles) = fixtures::rooms(25, 29);
+    assert!(lattice.cells.len() > 40_000);
+    lattice.query.retain(|v| v % 4999 == 7);
+    compare(&gpu, &Arc::new(lattice), &obstacles.segments, &[Obstacles::default()], WHOLE).unwrap();
+    let cells = (0..80).flat_map(|c| (0..80).map(move |r| [c, r])).collect();
+    let mut hall = fixtures::lattice(10, [0, 0], cells);
+    hall.query.retain(|v| v % 601 == 7);
+    let screens = [Segment { a: [300, 205], b: [305, 600] }, Segment { a: [115, 400], b: [555, 395] }];
+    let layouts = [0, 1].map(|i| Obstacles { segments: screens[i..].to_vec(), blind: vec![44] });
+    let open = visibility_graph(&hall, &Obstacles::default());
+    let hall = Arc::new(hall);
+    let forest = on_card(&gpu, &hall, &open, None, (2, WHOLE)).unwrap();
+    assert!(forest.shape().passes > 1);
+    compare(&gpu, &hall, &[], &layouts, WHOLE).unwrap();
 }
 
 /// A population on the card against one layout after the other on the cores, cut-off vertices included.
@@ -204,7 +296,10 @@ fn a_population_equals_the_cores() {
         ],
         blind: if k % 3 == 0 { vec![5, 77] } else { vec![] },
     };
-    let mut evaluator = Evaluator::new(Arc::new(lattice), &fixed, &layout(4), None);
+    let lattice = Arc::new(lattice);
+    let mut evaluator = Evaluator::new(Arc::clone(&lattice), &fixed, &layout(4), None);
+    let walked = Evaluator::on_card(&gpu, lattice, &fixed, &layout(4)).unwrap();
+    assert_eq!(walked.initial(), evaluator.initial());
     let layouts: Vec<Obstacles> = (0..9).map(layout).collect();
     let mut scratch = evaluator.scratch();
     let expected: Vec<_> = layouts.iter().map(|l| evaluator.evaluate(l, &mut scratch)).collect();

@@ -36,12 +36,27 @@ pub(crate) fn choose(study: &mut Study, backend: Backend, input: &Input<'_>, rep
     let is_software = gpu.is_software();
     match study.attach(gpu) {
         Err(why) => report.warn("backend-gpu", place, on_cores(&why)),
+        // Never with `auto`, which opens real cards alone.
         Ok(()) if is_software => {
             let text = format!(
                 "{name} measures the layouts: an adapter in software, exact, but no faster than the cores (--backend cpu)"
             );
             report.warn("backend-software", place, text);
         }
+        Ok(()) if is_auto => match study.card_pays() {
+            Ok(true) => report.info("backend", place, format!("{name} measures the layouts")),
+            Ok(false) => {
+                study.detach();
+                let text = format!(
+                    "the cores measure the layouts: {name} took as long for some or longer (--backend gpu takes it all the same)"
+                );
+                report.info("backend", place, text);
+            }
+            Err(why) => {
+                study.detach();
+                report.warn("backend-gpu", place, on_cores(&why));
+            }
+        },
         Ok(()) => report.info("backend", place, format!("{name} measures the layouts")),
     }
 }

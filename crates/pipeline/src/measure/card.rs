@@ -1,6 +1,7 @@
 //! Many layouts at a time, on a graphics card where the study has one.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
@@ -15,6 +16,9 @@ use enfilade_moves::Layout;
 
 /// Layouts that the graphics card measures at a time: what a search asks for fits.
 const CARD_LAYOUTS: u32 = 16;
+
+/// Batches by which a card and the cores are compared: the first makes their memory.
+const TRIALS: usize = 2;
 
 impl Study {
     /// Measures batches on a graphics card from now on, once it agrees with the cores on the present layout.
@@ -33,18 +37,46 @@ impl Study {
         Ok(())
     }
 
+    /// Whether the graphics card, if there is one, measures a batch of the present layout in less time than all cores do:
+    /// the least of [`TRIALS`] on each. Whichever goes on, the values are the same.
+    ///
+    /// # Errors
+    /// Why the card failed.
+    pub(crate) fn card_pays(&self) -> Result<bool, String> {
+        let ps = vec![self.base.moves.identity(); CARD_LAYOUTS as usize];
+        let mut least = [Duration::MAX; 2];
+        for _ in 0..TRIALS {
+            let started = Instant::now();
+            self.measure_on_card(&ps)?;
+            least[0] = least[0].min(started.elapsed());
+            let started = Instant::now();
+            self.measure_on_cores(&ps);
+            least[1] = least[1].min(started.elapsed());
+        }
+        Ok(least[0] < least[1])
+    }
+
+    /// Measures on the cores from now on.
+    pub(crate) fn detach(&mut self) {
+        self.gpu = None;
+        self.looks.iter_mut().for_each(|look| look.main.evaluator.detach());
+    }
+
+    fn measure_on_cores(&self, ps: &[Vec<f64>]) -> Vec<Worth> {
+        ps.par_iter().map(|p| self.with_bench(|bench| self.measure(p, bench))).collect()
+    }
+
     /// Measures the layouts of many parameter vectors: all at once on the graphics card if there is one and
     /// it works, otherwise each on a core. The same bits either way.
     pub fn measure_all(&self, ps: &[Vec<f64>]) -> Vec<Worth> {
-        let on_cores = || ps.par_iter().map(|p| self.with_bench(|bench| self.measure(p, bench))).collect();
         if self.gpu.is_none() || self.card_trouble.get().is_some() {
-            return on_cores();
+            return self.measure_on_cores(ps);
         }
         match self.measure_on_card(ps) {
             Ok(worths) => worths,
             Err(why) => {
                 self.card_trouble.get_or_init(|| why);
-                on_cores()
+                self.measure_on_cores(ps)
             }
         }
     }

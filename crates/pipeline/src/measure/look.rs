@@ -2,13 +2,16 @@
 //!
 //! Which cell centres happen to be free decides nothing where a value is the mean over shifted lattices.
 
+use std::sync::Arc;
+
 use crate::measure::floors::Over;
 use crate::measure::seen::{Scene, Seen, Use};
 use crate::understand::understood::Understood;
-use enfilade_config::{Measure, PairName, Settings, Source};
+use enfilade_config::{Backend, Measure, PairName, Settings, Source};
 use enfilade_engine::Lattice;
 use enfilade_engine::evaluator::Scratch;
 use enfilade_engine::geometry::{PointUm, UM_PER_M};
+use enfilade_engine::gpu::Gpu;
 use enfilade_engine::lattice::Ground;
 use enfilade_engine::measures::Means;
 use enfilade_moves::Layout;
@@ -61,8 +64,11 @@ impl Look {
         (use_for, over, unit_m): (Use, Over<'_>, f64),
         report: &mut Report,
     ) -> Result<Self, Error> {
-        let main = Scene::new(ground, base, identity, asked(settings, None), (use_for, over), report)?;
-        let pairs = pairs(base, ground, identity, settings, (use_for, over), report)?;
+        // Why there is none the backend says.
+        let card = (settings.backend == Backend::Gpu).then(|| Gpu::shared(true).ok()).flatten();
+        let use_for = (use_for, over, card.as_ref());
+        let main = Scene::new(ground, base, identity, asked(settings, None), use_for, report)?;
+        let pairs = pairs(base, ground, identity, settings, use_for, report)?;
         Ok(Self { main, pairs, coarseness: ground.spacing_um as f64 / UM_PER_M / unit_m })
     }
 
@@ -105,7 +111,7 @@ pub(crate) fn pairs(
     ground: &Ground<'_>,
     identity: &Layout,
     settings: &Settings,
-    (use_for, over): (Use, Over<'_>),
+    use_for: (Use, Over<'_>, Option<&Arc<Gpu>>),
     report: &mut Report,
 ) -> Result<Vec<Pair>, Error> {
     let markers = &base.plan.markers;
@@ -122,7 +128,7 @@ pub(crate) fn pairs(
         let own = Ground { query, reference, ..ground.clone() };
         let asked = asked(settings, Some(name));
         // What there is to say of the interior was said of the unnamed pair.
-        let scene = Scene::new(&own, base, identity, asked, (use_for, over), &mut Report::default());
+        let scene = Scene::new(&own, base, identity, asked, use_for, &mut Report::default());
         let scene = scene.map_err(|e| {
             let text = format!("the regions named {name}: {e}");
             Error::input("pair", Place::file(&base.plan.file), text)

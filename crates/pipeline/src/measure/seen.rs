@@ -10,6 +10,7 @@ use crate::understand::understood::Understood;
 use enfilade_config::{Measure, Source};
 use enfilade_engine::evaluator::Evaluator;
 use enfilade_engine::geometry::UM_PER_M;
+use enfilade_engine::gpu::Gpu;
 use enfilade_engine::isovist::query_isovists;
 use enfilade_engine::lattice::{CellIndex, Ground, lattice};
 use enfilade_engine::measures::{Column, Means, local_columns, means};
@@ -28,6 +29,9 @@ pub const GRAPH_BYTES_MAX: u64 = 8 << 30;
 const ADVISED_SHARE: f64 = 0.8;
 /// By how much a spacing that would not do yet is widened.
 const WIDER: f64 = 1.1;
+/// Cells from which on a card that is asked for walks the trees of the present layout: a core takes a tenth of a second or
+/// more for so many.
+const CARD_CELLS_MIN: usize = 15_000;
 /// Spacings tried for one to recommend.
 const TRIES: usize = 8;
 
@@ -117,7 +121,7 @@ impl Scene {
         base: &Understood,
         identity: &Layout,
         asked: Vec<Measure>,
-        (use_for, over): (Use, Over<'_>),
+        (use_for, over, card): (Use, Over<'_>, Option<&Arc<Gpu>>),
         report: &mut Report,
     ) -> Result<Self, Error> {
         let mut lattice = lattice(ground, report)?;
@@ -127,7 +131,7 @@ impl Scene {
         let lattice = Arc::new(lattice);
         let segments = ground.movable.to_vec();
         let moving = Obstacles { blind: blind(base, identity, &cells, &segments), segments };
-        let evaluator = match use_for {
+        let on_cores = || match use_for {
             Use::Roots(roots, seed) => {
                 Evaluator::sampled(Arc::clone(&lattice), ground.fixed, &moving, (roots, seed))
             }
@@ -136,6 +140,20 @@ impl Scene {
             }
             Use::Few(roots) => {
                 Evaluator::unprepared(Arc::clone(&lattice), ground.fixed, &moving, own_roots(&lattice, roots))
+            }
+        };
+        let card = card.filter(|_| use_for == Use::Search(None) && lattice.cells.len() >= CARD_CELLS_MIN);
+        let evaluator = match card {
+            None => on_cores(),
+            Some(gpu) => {
+                let walked = Evaluator::on_card(gpu, Arc::clone(&lattice), ground.fixed, &moving);
+                walked.unwrap_or_else(|why| {
+                    let text = format!(
+                        "{why}; the cores walk the trees of the present layout, with the same result"
+                    );
+                    report.warn("backend-gpu", Place::file(ground.file), text);
+                    on_cores()
+                })
             }
         };
         let (edges, components) = (evaluator.initial_edges(), evaluator.initial_components().to_vec());
