@@ -52,14 +52,35 @@ pub(super) trait Vector: Copy {
 /// Cells of a row of a tile.
 pub(super) const ROW: usize = 8;
 
+/// The first bit of the next row of eight that has any, and the row, which is taken off.
+#[inline(always)]
+pub(super) fn next_row(bits: &mut u64) -> Option<(u32, u32)> {
+    if *bits == 0 {
+        return None;
+    }
+    let row = bits.trailing_zeros() & !7;
+    let cells = (*bits >> row) as u32 & 0xff;
+    *bits &= !(0xff << row);
+    Some((row, cells))
+}
+
+/// The mask of a tile in a row of the graph, tiles asked for in ascending order.
+#[inline(always)]
+pub(super) fn known_in((tiles, masks): (&[u32], &[u64]), tile: u32, next: &mut usize) -> u64 {
+    while *next < tiles.len() && tiles[*next] < tile {
+        *next += 1;
+    }
+    if tiles.get(*next) == Some(&tile) { masks[*next] } else { 0 }
+}
+
 /// Comparisons of a row of a tile at once.
 pub(super) trait Rows {
     /// Bit `i`: `a[i] < b[i]`.
     fn less(a: &[f32; ROW], b: &[f32; ROW]) -> u32;
     /// The same in double precision.
     fn less_wide(a: &[f64; ROW], b: &[f32; ROW]) -> u32;
-    /// Writes `first` plus the number of every one of eight bits, without a branch, and whatever behind them.
-    fn list(bits: u32, first: u32, to: &mut [u32; ROW]);
+    /// The cells of those of a tile's eight rows whose bit is set.
+    fn rows(bits: u32) -> u64;
 }
 
 impl Rows for Portable {
@@ -80,12 +101,10 @@ impl Rows for Portable {
         less
     }
     #[inline(always)]
-    fn list(bits: u32, first: u32, to: &mut [u32; ROW]) {
-        let mut count = 0;
-        for i in 0..ROW {
-            to[count & (ROW - 1)] = first + i as u32;
-            count += (bits >> i & 1) as usize;
-        }
+    fn rows(bits: u32) -> u64 {
+        // Bit `i` goes to bit `8 i` by shifts of seven; the last would carry into the first.
+        let low = u64::from(bits & 0x7f).wrapping_mul(0x0002_0408_1020_4081) & 0x0101_0101_0101_0101;
+        (low | u64::from(bits >> 7 & 1) << 56) * 0xff
     }
 }
 
@@ -274,14 +293,8 @@ pub(super) mod x86 {
             half(&a[..4], &b[..4]) | half(&a[4..], &b[4..]) << 4
         }
         #[inline(always)]
-        fn list(bits: u32, first: u32, to: &mut [u32; ROW]) {
-            unsafe {
-                let bytes = _pdep_u64(u64::from(bits), 0x0101_0101_0101_0101) * 0xff;
-                let ones = _pext_u64(0x0706_0504_0302_0100, bytes);
-                let ones = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(ones as i64));
-                let all = _mm256_add_epi32(ones, _mm256_set1_epi32(first as i32));
-                _mm256_storeu_si256(to.as_mut_ptr().cast(), all);
-            }
+        fn rows(bits: u32) -> u64 {
+            unsafe { _pdep_u64(u64::from(bits), 0x0101_0101_0101_0101) * 0xff }
         }
     }
 
