@@ -79,8 +79,8 @@ pub(super) trait Rows {
     fn less(a: &[f32; ROW], b: &[f32; ROW]) -> u32;
     /// The same in double precision.
     fn less_wide(a: &[f64; ROW], b: &[f32; ROW]) -> u32;
-    /// The cells of those of a tile's eight rows whose bit is set.
-    fn rows(bits: u32) -> u64;
+    /// Writes `first` plus the number of every one of eight bits, without a branch, and whatever behind them.
+    fn list(bits: u32, first: u32, to: &mut [u32; ROW]);
 }
 
 impl Rows for Portable {
@@ -101,10 +101,12 @@ impl Rows for Portable {
         less
     }
     #[inline(always)]
-    fn rows(bits: u32) -> u64 {
-        // Bit `i` goes to bit `8 i` by shifts of seven; the last would carry into the first.
-        let low = u64::from(bits & 0x7f).wrapping_mul(0x0002_0408_1020_4081) & 0x0101_0101_0101_0101;
-        (low | u64::from(bits >> 7 & 1) << 56) * 0xff
+    fn list(bits: u32, first: u32, to: &mut [u32; ROW]) {
+        let mut count = 0;
+        for i in 0..ROW {
+            to[count & (ROW - 1)] = first + i as u32;
+            count += (bits >> i & 1) as usize;
+        }
     }
 }
 
@@ -293,8 +295,14 @@ pub(super) mod x86 {
             half(&a[..4], &b[..4]) | half(&a[4..], &b[4..]) << 4
         }
         #[inline(always)]
-        fn rows(bits: u32) -> u64 {
-            unsafe { _pdep_u64(u64::from(bits), 0x0101_0101_0101_0101) * 0xff }
+        fn list(bits: u32, first: u32, to: &mut [u32; ROW]) {
+            unsafe {
+                let bytes = _pdep_u64(u64::from(bits), 0x0101_0101_0101_0101) * 0xff;
+                let ones = _pext_u64(0x0706_0504_0302_0100, bytes);
+                let ones = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(ones as i64));
+                let all = _mm256_add_epi32(ones, _mm256_set1_epi32(first as i32));
+                _mm256_storeu_si256(to.as_mut_ptr().cast(), all);
+            }
         }
     }
 

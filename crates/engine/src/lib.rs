@@ -57,9 +57,10 @@ pub mod isovist;
 mod lanes;
 pub mod measures;
 mod offsets;
-mod onward;
 mod order;
 mod path_columns;
+#[cfg(test)]
+mod path_columns_tests;
 pub mod paths;
 mod queue;
 mod refusal;

@@ -10,11 +10,11 @@ use enfilade_brief::column::{
 use enfilade_brief::{Measure, column_of};
 use rayon::prelude::*;
 
-use super::corners::Corners;
+use super::corners::{Corners, STRAIGHTEST_MAX};
 use super::measures::{Column, UNDEFINED, transpose};
-use super::onward::{Onward, TILES_MAX};
-use super::order::{Order, Reached, is_cost};
+use super::order::Order;
 use super::paths::Paths;
+use super::queue::cost_of;
 use super::shortest::Shortest;
 use super::straightest::Straightest;
 
@@ -29,16 +29,17 @@ impl Paths<'_> {
             METRIC_NODE_COUNT,
         ];
         let limit = self.radius(radius_m);
-        let corners = Corners::new(self);
+        let corners = Corners::shortest(self);
         let in_metres = |cells: f64| (cells * self.spacing_m()) as f32;
         let row = |(walk, order): &mut (Shortest, Order), v: usize| {
             let root = self.slot_of_vertex[v];
             walk.walk(self, corners.as_ref(), &[root], limit);
             let reached = order.by_cost(self, &walk.cost, limit);
             let mut sums = [0f32; 3];
-            for &Reached { cost, slot } in reached {
+            for &key in reached {
+                let slot = self.slot_of_vertex[key as u32 as usize];
                 sums[0] += walk.turned(self, slot);
-                sums[1] += in_metres(f64::from(cost));
+                sums[1] += in_metres(f64::from(cost_of(key)));
                 sums[2] += in_metres(self.length(root, slot));
             }
             let n = reached.len() as f64;
@@ -53,15 +54,14 @@ impl Paths<'_> {
     pub fn angular_columns(&self, radius: Option<f64>) -> Vec<Column> {
         let names = [column_of(Measure::AngularDepth), ANGULAR_NODE_COUNT, column_of(Measure::AngularTotal)];
         let limit = radius.unwrap_or(f64::INFINITY);
-        let onward = Onward::new(self, TILES_MAX);
-        let row = |(walk, order): &mut (Straightest, Order), v: usize| {
-            walk.walk(self, onward.as_ref(), &[self.slot_of_vertex[v]], limit);
-            let reached = order.by_cost(self, &walk.cost, limit);
-            let total = f64::from(reached.iter().map(|r| r.cost).sum::<f32>());
-            let n = reached.len() as f64;
+        let corners = Corners::straightest(self, STRAIGHTEST_MAX);
+        let row = |walk: &mut Straightest, v: usize| {
+            walk.walk(self, corners.as_ref(), &[self.slot_of_vertex[v]], limit);
+            let total = f64::from(walk.reached.iter().sum::<f32>());
+            let n = walk.reached.len() as f64;
             [total / n, n, total]
         };
-        self.all(names, radius, || (Straightest::new(self), Order::default()), row)
+        self.all(names, radius, || Straightest::new(self), row)
     }
 
     /// Visual, metric (metres) and angular depth of every vertex from the nearest of some vertices;
@@ -76,7 +76,7 @@ impl Paths<'_> {
             let steps = steps[self.vertex_of_slot[slot as usize] as usize];
             (steps != u32::MAX).then(|| f64::from(steps))
         };
-        let cost_in = |costs: &[f32], slot: u32| Some(costs[slot as usize]).filter(|c| is_cost(*c));
+        let cost_in = |costs: &[f32], slot: u32| Some(costs[slot as usize]).filter(|c| c.is_finite());
         let mut columns = vec![column(VISUAL_STEP_DEPTH, &seen)];
         let roots: Vec<u32> = from.iter().map(|&v| self.slot_of_vertex[v as usize]).collect();
         let mut walk = Shortest::new(self);
@@ -98,8 +98,12 @@ impl Paths<'_> {
         walk: impl Fn() -> W + Sync + Send,
         row: impl Fn(&mut W, usize) -> [f64; K] + Sync + Send,
     ) -> Vec<Column> {
-        let n = self.graph.len();
-        let rows: Vec<[f64; K]> = (0..n).into_par_iter().map_init(walk, row).collect();
+        // Neighbours in a tile follow one another: their walks go through the same lists, which stay in the cache.
+        let vertex_of = &self.graph.tiles.vertex_of;
+        let of_rank = |walk: &mut W, &v: &u32| row(walk, v as usize);
+        let by_rank: Vec<[f64; K]> = vertex_of.par_iter().map_init(walk, of_rank).collect();
+        let rows: Vec<[f64; K]> =
+            self.graph.tiles.rank_of.iter().map(|&rank| by_rank[rank as usize]).collect();
         let suffix = radius.map(|r| format!(" R{r}")).unwrap_or_default();
         transpose(names.map(|name| format!("{name}{suffix}")), &rows)
     }
@@ -239,19 +243,19 @@ mod tests {
             let turning = if everywhere { Turning::Everywhere } else { Turning::AtWalls };
             let graph = visibility::visibility_graph(&lattice, &obstacles);
             let mut paths = Paths::new(&lattice, &graph, &obstacles, turning);
-            let corners = Corners::new(&paths);
-            let mut walk = Walk::new(&graph);
+            let corners = Corners::shortest(&paths);
+            let mut walk = Shortest::new(&paths);
             for root in (0..lattice.cells.len() as u32).step_by(37) {
                 let slot = [paths.slot_of_vertex[root as usize]];
-                let costs = |walk: &Walk| {
+                let costs = |walk: &Shortest| {
                     let cost = paths.slot_of_vertex.iter().map(|&s| f64::from(walk.cost[s as usize]));
                     cost.collect::<Vec<f64>>()
                 };
                 let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a == b || (a - b).abs() < 1e-4);
-                walk.metric(&paths, None, &slot, f64::INFINITY);
+                walk.walk(&paths, None, &slot, f64::INFINITY);
                 let plain = costs(&walk);
                 prop_assert!(near(&plain, &by_dijkstra(&paths, &lattice, root, true)));
-                walk.metric(&paths, Some(&corners), &slot, f64::INFINITY);
+                walk.walk(&paths, corners.as_ref(), &slot, f64::INFINITY);
                 prop_assert!(near(&costs(&walk), &plain));
             }
             let best: Vec<Column> = paths.angular_columns(None);
@@ -272,17 +276,17 @@ mod tests {
             let graph = visibility::visibility_graph(&lattice, &obstacles);
             let mut paths = Paths::new(&lattice, &graph, &obstacles, turning);
             let corners = Corners::straightest(&paths, usize::MAX);
-            let cells = corners.as_ref().map_or(0, Corners::cells);
+            let cells = corners.as_ref().map_or(0, Corners::len);
             prop_assert!(cells == 0 || Corners::straightest(&paths, cells - 1).is_none());
             prop_assert!(cells == 0 || cells > STRAIGHTEST_MAX || Corners::straightest(&paths, cells).is_some());
-            let mut walk = Walk::new(&graph);
+            let mut walk = Straightest::new(&paths);
             for root in (0..lattice.cells.len() as u32).step_by(37) {
                 let slot = [paths.slot_of_vertex[root as usize]];
                 for path in Path::available() {
                     paths.path = path;
-                    walk.angular(&paths, None, &slot, f64::INFINITY);
+                    walk.walk(&paths, None, &slot, f64::INFINITY);
                     let plain = walk.reached.clone();
-                    walk.angular(&paths, corners.as_ref(), &slot, f64::INFINITY);
+                    walk.walk(&paths, corners.as_ref(), &slot, f64::INFINITY);
                     prop_assert_eq!(&walk.reached, &plain);
                 }
             }

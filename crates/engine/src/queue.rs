@@ -150,6 +150,6 @@ impl Queue {
 }
 
 #[inline(always)]
-fn key(paths: &Paths<'_>, cost: f32, slot: u32) -> Key {
+pub(super) fn key(paths: &Paths<'_>, cost: f32, slot: u32) -> Key {
     u64::from(cost.to_bits()) << 32 | u64::from(paths.vertex_of_slot[slot as usize])
 }

@@ -5,7 +5,7 @@
 //! by slot (64 to a tile), so that a row of eight cells of a tile is one register, with lengths from a table whose rows
 //! run along the same cells.
 
-use super::corners::Corners;
+use super::corners::{Away, Corners, List, NOTHING};
 use super::lanes::Path;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::x86::Avx2;
@@ -17,14 +17,14 @@ use super::queue::{Queue, cost_of};
 /// Bands of cost to one cell of length.
 const BANDS_PER_CELL: f32 = 1.0;
 
-/// The list of all that a cell sees, without [`Corners`].
-const ALL: u32 = 0;
+/// Stands for the list of all that a cell sees, without [`Corners`].
+const ALL: List = [u32::MAX; 2];
 
-/// How a cell was reached: the slot before, which is a root's own, and the list of what is offered from here.
+/// How a cell was reached: the slot before, which is a root's own, and what is offered from here.
 #[derive(Clone, Copy)]
 struct Arrival {
     before: u32,
-    list: u32,
+    list: List,
 }
 
 /// Buffers of one worker, by slot.
@@ -53,7 +53,7 @@ impl Shortest {
         let slots = paths.vertex_of_slot.len();
         Self {
             cost: vec![f32::INFINITY; slots],
-            arrival: vec![Arrival { before: 0, list: Corners::NONE }; slots],
+            arrival: vec![Arrival { before: 0, list: NOTHING }; slots],
             angle: vec![0.0; slots],
             heading: vec![0.0; slots],
             queue: Queue::default(),
@@ -63,7 +63,7 @@ impl Shortest {
 
     /// Walks from some slots; costs beyond `radius` need not be the lowest. Corners pay where many roots share them; the
     /// lengths are the same up to rounding.
-    pub fn walk(&mut self, paths: &Paths<'_>, corners: Option<&Corners>, roots: &[u32], radius: f64) {
+    pub fn walk(&mut self, paths: &Paths<'_>, corners: Option<&Corners<Away>>, roots: &[u32], radius: f64) {
         match paths.path {
             // SAFETY: a path is only made for a processor that has its instructions.
             #[cfg(target_arch = "x86_64")]
@@ -78,18 +78,30 @@ impl Shortest {
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512dq,avx2,popcnt,bmi1,bmi2")]
-    fn walk_avx512(&mut self, paths: &Paths<'_>, corners: Option<&Corners>, roots: &[u32], radius: f64) {
+    fn walk_avx512(
+        &mut self,
+        paths: &Paths<'_>,
+        corners: Option<&Corners<Away>>,
+        roots: &[u32],
+        radius: f64,
+    ) {
         self.walk_in::<Avx2>(paths, corners, roots, radius);
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
-    fn walk_avx2(&mut self, paths: &Paths<'_>, corners: Option<&Corners>, roots: &[u32], radius: f64) {
+    fn walk_avx2(&mut self, paths: &Paths<'_>, corners: Option<&Corners<Away>>, roots: &[u32], radius: f64) {
         self.walk_in::<Avx2>(paths, corners, roots, radius);
     }
 
     #[inline(always)]
-    fn walk_in<R: Rows>(&mut self, paths: &Paths<'_>, corners: Option<&Corners>, roots: &[u32], radius: f64) {
+    fn walk_in<R: Rows>(
+        &mut self,
+        paths: &Paths<'_>,
+        corners: Option<&Corners<Away>>,
+        roots: &[u32],
+        radius: f64,
+    ) {
         self.begin(paths, roots);
         loop {
             while let Some(key) = self.queue.pop() {
@@ -123,7 +135,7 @@ impl Shortest {
 
     /// Offers a way through a cell to those to which the way there leads on.
     #[inline(always)]
-    fn leave<R: Rows>(&mut self, paths: &Paths<'_>, corners: Option<&Corners>, leaving: Leaving) {
+    fn leave<R: Rows>(&mut self, paths: &Paths<'_>, corners: Option<&Corners<Away>>, leaving: Leaving) {
         let at = leaving.at as usize;
         let Arrival { before, list } = self.arrival[at];
         let is_root = before == leaving.at;
@@ -146,12 +158,12 @@ impl Shortest {
 
     /// Offers a way to the cells of a list: first to all, without a branch, as nobody can tell which take it.
     #[inline(always)]
-    fn offer(&mut self, paths: &Paths<'_>, corners: &Corners, leaving: Leaving, list: u32) {
+    fn offer(&mut self, paths: &Paths<'_>, corners: &Corners<Away>, leaving: Leaving, list: List) {
         let cells = corners.cells(list);
-        let Self { cost: costs, found, .. } = self;
-        if found.len() < cells.len() {
-            found.resize(2 * cells.len(), 0);
+        if self.found.len() < cells.len() {
+            self.found.resize(2 * cells.len(), 0);
         }
+        let (costs, found) = (&self.cost[..], &mut self.found[..cells.len()]);
         let cost = f64::from(leaving.cost);
         let mut count = 0;
         for (to, i) in cells.iter().zip(0..) {
@@ -160,27 +172,24 @@ impl Shortest {
         }
         for i in 0..count {
             let to = cells[self.found[i] as usize];
-            self.take(paths, to.slot, leaving.cost + to.length as f32, leaving.at, to.list);
+            self.take(paths, to.slot, leaving.cost + to.length as f32, leaving.at, corners.list(to.list));
         }
     }
 
     /// Takes a better way to a cell.
     #[inline(always)]
-    fn take(&mut self, paths: &Paths<'_>, slot: u32, cost: f32, before: u32, mut list: u32) {
+    fn take(&mut self, paths: &Paths<'_>, slot: u32, cost: f32, before: u32, list: List) {
         let at = slot as usize;
-        let is_new = self.cost[at] != cost;
-        if !is_new {
-            // Shorter by less than single precision holds: it leads at least where it led, and may be waiting.
-            let led = self.arrival[at].list;
-            if led != Corners::NONE {
-                let list = if list == Corners::NONE { led } else { list };
-                self.arrival[at] = Arrival { before, list };
-                return;
-            }
+        let led = self.arrival[at].list;
+        if self.cost[at] == cost && led != NOTHING {
+            // Shorter by less than single precision holds: it waits at this cost, and leads at least where it led.
+            let list = if list == NOTHING { led } else { list };
+            self.arrival[at] = Arrival { before, list };
+            return;
         }
         self.cost[at] = cost;
         self.arrival[at] = Arrival { before, list };
-        if list != Corners::NONE {
+        if list != NOTHING {
             self.queue.push(paths, cost, slot);
         }
     }
@@ -191,7 +200,7 @@ impl Shortest {
     fn offer_all<R: Rows>(
         &mut self,
         paths: &Paths<'_>,
-        corners: Option<&Corners>,
+        corners: Option<&Corners<Away>>,
         leaving: Leaving,
         before: Option<u32>,
     ) {
@@ -214,7 +223,7 @@ impl Shortest {
                             corners.list_of(rank, place + before.count_ones())
                         }
                         None if paths.may_turn(slot) => ALL,
-                        None => Corners::NONE,
+                        None => NOTHING,
                     };
                     self.take(paths, slot, new[i as usize & 7], leaving.at, list);
                 }
