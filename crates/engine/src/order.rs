@@ -1,6 +1,5 @@
 //! What a walk has reached, in the order of its cost.
 
-use super::lanes::ROW;
 use super::paths::Paths;
 use super::queue::{Key, cost_of, key, whole};
 
@@ -23,9 +22,9 @@ pub(super) struct Order {
 }
 
 impl Order {
-    /// The cells that cost at most so much, by cost, then vertex. `cost` is by slot, and infinite where there is no way.
-    pub fn by_cost(&mut self, paths: &Paths<'_>, cost: &[f32], most: f64) -> &[Key] {
-        let highest = self.keep(paths, cost, most);
+    /// Those of some slots that cost at most so much, by cost, then vertex. `cost` is by slot.
+    pub fn by_cost(&mut self, paths: &Paths<'_>, reached: &[u32], cost: &[f32], most: f64) -> &[Key] {
+        let highest = self.keep(paths, reached, cost, most);
         let n = self.kept.len();
         let bins = (n * BINS_PER_CELL).clamp(1, BINS_MAX);
         let per_cost = if highest > 0.0 { (bins - 1) as f32 / highest } else { 0.0 };
@@ -50,21 +49,17 @@ impl Order {
     }
 
     /// Keeps what costs at most so much; the highest of the costs.
-    fn keep(&mut self, paths: &Paths<'_>, cost: &[f32], most: f64) -> f32 {
+    fn keep(&mut self, paths: &Paths<'_>, reached: &[u32], cost: &[f32], most: f64) -> f32 {
         let nearest = most as f32;
         let below = if f64::from(nearest) > most { nearest.next_down() } else { nearest };
         let most = below.min(f32::MAX);
-        self.kept.resize(cost.len(), 0);
+        self.kept.resize(reached.len(), 0);
         let (mut n, mut highest) = (0, 0f32);
-        for (row, first) in cost.as_chunks::<ROW>().0.iter().zip((0..).step_by(ROW)) {
-            if row.iter().fold(true, |none, &cost| none & (cost > most)) {
-                continue;
-            }
-            for (&cost, slot) in row.iter().zip(first..) {
-                self.kept[n] = key(paths, cost, slot);
-                n += usize::from(cost <= most);
-                highest = if cost <= most && cost > highest { cost } else { highest };
-            }
+        for &slot in reached {
+            let cost = cost[slot as usize];
+            self.kept[n] = key(paths, cost, slot);
+            n += usize::from(cost <= most);
+            highest = if cost <= most && cost > highest { cost } else { highest };
         }
         self.kept.truncate(n);
         highest

@@ -34,7 +34,7 @@ impl Paths<'_> {
         let row = |(walk, order): &mut (Shortest, Order), v: usize| {
             let root = self.slot_of_vertex[v];
             walk.walk(self, corners.as_ref(), &[root], limit);
-            let reached = order.by_cost(self, &walk.cost, limit);
+            let reached = order.by_cost(self, walk.reached(), &walk.cost, limit);
             let mut sums = [0f32; 3];
             for &key in reached {
                 let slot = self.slot_of_vertex[key as u32 as usize];

@@ -39,6 +39,9 @@ pub(super) struct Shortest {
     queue: Queue,
     /// Places of the better ones of some cells.
     found: Vec<u32>,
+    /// Slots that were reached, and then room for the others.
+    reached: Vec<u32>,
+    count: usize,
 }
 
 /// A cell that is left: its cost and its slot.
@@ -58,6 +61,8 @@ impl Shortest {
             heading: vec![0.0; slots],
             queue: Queue::default(),
             found: Vec::new(),
+            reached: vec![0; slots + 1],
+            count: 0,
         }
     }
 
@@ -122,11 +127,16 @@ impl Shortest {
     }
 
     fn begin(&mut self, paths: &Paths<'_>, roots: &[u32]) {
-        self.cost.fill(f32::INFINITY);
+        for &slot in &self.reached[..self.count] {
+            self.cost[slot as usize] = f32::INFINITY;
+        }
+        self.count = 0;
         self.queue.clear(BANDS_PER_CELL);
         for &root in roots {
             if self.cost[root as usize] != 0.0 {
                 self.cost[root as usize] = 0.0;
+                self.reached[self.count] = root;
+                self.count += 1;
                 self.arrival[root as usize] = Arrival { before: root, list: ALL };
                 self.queue.push(paths, 0.0, root);
             }
@@ -145,6 +155,11 @@ impl Shortest {
             Some(corners) if !is_root => self.offer(paths, corners, leaving, list),
             _ => self.offer_all::<R>(paths, corners, leaving, (!is_root).then_some(before)),
         }
+    }
+
+    /// The slots that were reached, in any order.
+    pub fn reached(&self) -> &[u32] {
+        &self.reached[..self.count]
     }
 
     /// The angle turned on the way to a slot that was reached, right angles: none on the first piece.
@@ -187,6 +202,8 @@ impl Shortest {
             self.arrival[at] = Arrival { before, list };
             return;
         }
+        self.reached[self.count] = slot;
+        self.count += usize::from(self.cost[at] == f32::INFINITY);
         self.cost[at] = cost;
         self.arrival[at] = Arrival { before, list };
         if list != NOTHING {
