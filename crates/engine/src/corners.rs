@@ -1,4 +1,4 @@
-//! Where paths turn: for every first piece of a way, the cells to which its end leads on.
+//! Where shortest paths turn: for every first piece of a way, the cells to which its end leads on.
 //!
 //! On a shortest path any two pieces in a row are the shortest way of two pieces between their ends, and
 //! their ends do not see each other. For every vertex `a` and every cell `t` that it sees and where paths
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::lanes::Path;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::x86::Avx2;
-use super::lanes::{Portable, ROW, Rows};
+use super::lanes::{Portable, ROW, Rows, next_row};
 use super::offsets::{length_of, turn};
 use super::paths::Paths;
 
@@ -32,65 +32,57 @@ const MOST: usize = u32::MAX as usize;
 const BLOCK: usize = 1024;
 
 /// Lists of one vertex after another.
-#[derive(Default)]
-pub(super) struct Corners {
-    /// For all neighbours of all ranks, in the order of the graph: the cells to which the way there leads.
-    list_to: Vec<List>,
+pub(super) struct Corners<C> {
+    /// For all neighbours of all ranks, in the order of the graph: the number of the list of the way there, or
+    /// [`Corners::NONE`].
+    list_of_way: Vec<u32>,
     /// Number of the first of these ways of each rank.
     first: Vec<u32>,
-    cells: Cells,
+    /// Where the cells of each list end; none is empty.
+    end: Vec<u32>,
+    cells: Vec<C>,
 }
 
-/// Some of the cells of [`Corners`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct List {
-    pub start: u32,
-    pub count: u32,
+/// The places of the cells of a list.
+pub(super) type List = [u32; 2];
+
+/// The list of a way that leads to nothing.
+pub(super) const NOTHING: List = [0; 2];
+
+/// The number of no list.
+const NONE: u32 = u32::MAX;
+
+/// A cell of a list.
+pub(super) trait Cell: Copy + Send + Sync {
+    /// The number of the list of the way there.
+    fn list(&mut self) -> &mut u32;
 }
 
-impl List {
-    /// Nothing is offered.
-    pub const NONE: Self = Self { start: 0, count: 0 };
-
-    /// All is offered that the cell sees and its predecessor does not, whether or not there are lists.
-    pub const ALL: Self = Self { start: u32::MAX, count: u32::MAX };
-
-    fn range(self) -> std::ops::Range<usize> {
-        self.start as usize..self.start as usize + self.count as usize
-    }
-}
-
-/// Cells to which a cell leads.
-#[derive(Default)]
-struct Cells {
-    by_length: Vec<Away>,
-    by_turn: Vec<Turned>,
-}
-
-/// A cell, the number of the way there, see [`Corners::list_to`], and how far away it is.
+/// A cell, the list of the way there, and how far away it is.
 #[derive(Clone, Copy)]
 pub(super) struct Away {
     pub length: f64,
     pub slot: u32,
-    pub way: u32,
+    pub list: u32,
 }
 
-/// A cell, the number of the way there, and how far that turns.
+/// A cell, the list of the way there, and how far that turns.
 #[derive(Clone, Copy)]
 pub(super) struct Turned {
     pub turn: f32,
     pub slot: u32,
-    pub way: u32,
+    pub list: u32,
 }
 
-impl Cells {
-    fn extend(&mut self, more: &Self) {
-        self.by_length.extend_from_slice(&more.by_length);
-        self.by_turn.extend_from_slice(&more.by_turn);
+impl Cell for Away {
+    fn list(&mut self) -> &mut u32 {
+        &mut self.list
     }
+}
 
-    fn len(&self) -> usize {
-        self.by_length.len() + self.by_turn.len()
+impl Cell for Turned {
+    fn list(&mut self) -> &mut u32 {
+        &mut self.list
     }
 }
 
@@ -105,169 +97,191 @@ struct Scratch {
 /// One row of eight cells beyond a relay: the first slot, the cells meant, and the ways there.
 type Beyond = (u32, u32, [f32; ROW]);
 
-impl Corners {
-    #[cfg(test)]
-    pub fn cells(&self) -> usize {
-        self.cells.len()
-    }
-
-    #[cfg(test)]
-    pub fn new(paths: &Paths<'_>) -> Self {
-        Self::shortest(paths).unwrap()
-    }
-
+impl Corners<Away> {
     /// The lists of shortest paths, unless their cells cannot be numbered.
     pub fn shortest(paths: &Paths<'_>) -> Option<Self> {
-        Self::make::<true>(paths, MOST)
+        let slots = paths.vertex_of_slot.len();
+        let scratch = || Scratch::new(paths, slots);
+        Self::make(paths, MOST, scratch, |scratch, first, rank| scratch.corners_of(paths, first, rank))
     }
+}
 
+impl Corners<Turned> {
     /// The lists of straightest paths, unless they would hold more than `most` cells.
     pub fn straightest(paths: &Paths<'_>, most: usize) -> Option<Self> {
-        Self::make::<false>(paths, most.min(MOST))
+        let scratch = || Scratch::new(paths, 0);
+        Self::make(paths, most.min(MOST), scratch, |scratch, first, rank| {
+            scratch
+                .lists_of(paths, rank, |scratch, via, cells| scratch.add_all(paths, first, rank, via, cells))
+        })
     }
+}
 
-    fn make<const METRIC: bool>(paths: &Paths<'_>, most: usize) -> Option<Self> {
+impl<C: Cell> Corners<C> {
+    fn make(
+        paths: &Paths<'_>,
+        most: usize,
+        scratch: impl Fn() -> Scratch + Send + Sync,
+        of_rank: impl Fn(&mut Scratch, &[u32], usize) -> Self + Send + Sync,
+    ) -> Option<Self> {
         let graph = paths.graph;
-        let tiles = graph.tiles.count();
-        let scratch = || Scratch {
-            own: vec![0; tiles],
-            best: if METRIC { vec![f32::INFINITY; tiles * 64] } else { Vec::new() },
-            touched: Vec::new(),
-        };
         let mut ways = 0u32;
         let mut first = Vec::with_capacity(graph.len());
         for &degree in &graph.degree {
             first.push(ways);
             ways = ways.checked_add(degree)?;
         }
-        let first = &first[..];
-        let of_rank = |scratch: &mut Scratch, rank: usize| scratch.corners_of::<METRIC>(paths, first, rank);
-        let mut all = Self { first: first.to_vec(), ..Self::default() };
+        let mut all = Self { list_of_way: Vec::with_capacity(ways as usize), ..Self::new() };
         for block in (0..graph.len()).step_by(BLOCK) {
             let ranks = block..graph.len().min(block + BLOCK);
-            let parts: Vec<Self> = ranks.into_par_iter().map_init(scratch, of_rank).collect();
+            let of_rank = |scratch: &mut Scratch, rank| of_rank(scratch, &first, rank);
+            let parts: Vec<Self> = ranks.into_par_iter().map_init(&scratch, of_rank).collect();
             let cells = parts.iter().map(|part| part.cells.len()).sum::<usize>();
             if all.cells.len() + cells > most {
                 return None;
             }
             parts.iter().for_each(|part| all.add(part));
         }
-        Some(all)
+        let Self { list_of_way, cells, .. } = &mut all;
+        cells.par_iter_mut().for_each(|cell| *cell.list() = list_of_way[*cell.list() as usize]);
+        Some(Self { first, ..all })
+    }
+
+    fn new() -> Self {
+        Self { list_of_way: Vec::new(), first: Vec::new(), end: Vec::new(), cells: Vec::new() }
+    }
+
+    #[cfg(test)]
+    pub fn len(&self) -> usize {
+        self.cells.len()
     }
 
     fn add(&mut self, part: &Self) {
-        let cells = self.cells.len() as u32;
-        let moved = |list: &List| List { start: list.start + cells, ..*list };
-        self.list_to.extend(part.list_to.iter().map(moved));
-        self.cells.extend(&part.cells);
+        let (lists, cells) = (self.end.len() as u32, self.cells.len() as u32);
+        let moved = |&list: &u32| if list == NONE { list } else { list + lists };
+        self.list_of_way.extend(part.list_of_way.iter().map(moved));
+        self.end.extend(part.end.iter().map(|end| end + cells));
+        self.cells.extend_from_slice(&part.cells);
     }
 
+    /// A list by its number.
     #[inline(always)]
-    pub fn by_length(&self, list: List) -> &[Away] {
-        &self.cells.by_length[list.range()]
+    pub fn list(&self, number: u32) -> List {
+        match (number.checked_sub(1), self.end.get(number as usize)) {
+            (_, None) => NOTHING,
+            (None, Some(&end)) => [0, end],
+            (Some(before), Some(&end)) => [self.end[before as usize], end],
+        }
     }
 
+    /// What a list holds.
     #[inline(always)]
-    pub fn by_turn(&self, list: List) -> &[Turned] {
-        &self.cells.by_turn[list.range()]
+    pub fn cells(&self, [start, end]: List) -> &[C] {
+        self.cells.get(start as usize..end as usize).unwrap_or_default()
     }
 
-    /// What a way leads to.
+    /// The list of one of the ways from a rank, in the order of the graph.
     #[inline(always)]
-    pub fn list_to(&self, way: u32) -> List {
-        self.list_to[way as usize]
-    }
-
-    /// The number of the first way from a rank.
-    pub fn first_way(&self, rank: usize) -> u32 {
-        self.first[rank]
+    pub fn list_of(&self, rank: usize, place: u32) -> List {
+        self.list(self.list_of_way[(self.first[rank] + place) as usize])
     }
 }
 
 impl Scratch {
-    /// The lists of one rank, numbered from 0; `start` holds their ends.
-    fn corners_of<const METRIC: bool>(&mut self, paths: &Paths<'_>, first: &[u32], rank: usize) -> Corners {
+    fn new(paths: &Paths<'_>, slots: usize) -> Self {
+        let own = vec![0; paths.graph.tiles.count()];
+        Self { own, best: vec![f32::INFINITY; slots], touched: Vec::new() }
+    }
+
+    /// The lists of one rank, numbered from 0.
+    fn corners_of(&mut self, paths: &Paths<'_>, first: &[u32], rank: usize) -> Corners<Away> {
         match paths.path {
             // SAFETY: a path is only made for a processor that has its instructions.
             #[cfg(target_arch = "x86_64")]
             #[allow(unsafe_code)]
-            Path::Avx512 => unsafe { self.corners_of_avx512::<METRIC>(paths, first, rank) },
+            Path::Avx512 => unsafe { self.corners_of_avx512(paths, first, rank) },
             #[cfg(target_arch = "x86_64")]
             #[allow(unsafe_code)]
-            Path::Avx2 => unsafe { self.corners_of_avx2::<METRIC>(paths, first, rank) },
-            Path::Portable => self.corners_of_in::<METRIC, Portable>(paths, first, rank),
+            Path::Avx2 => unsafe { self.corners_of_avx2(paths, first, rank) },
+            Path::Portable => self.corners_of_in::<Portable>(paths, first, rank),
         }
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512dq,avx2,popcnt,bmi1,bmi2")]
-    fn corners_of_avx512<const METRIC: bool>(
-        &mut self,
-        paths: &Paths<'_>,
-        first: &[u32],
-        rank: usize,
-    ) -> Corners {
-        self.corners_of_in::<METRIC, Avx2>(paths, first, rank)
+    fn corners_of_avx512(&mut self, paths: &Paths<'_>, first: &[u32], rank: usize) -> Corners<Away> {
+        self.corners_of_in::<Avx2>(paths, first, rank)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
-    fn corners_of_avx2<const METRIC: bool>(
-        &mut self,
-        paths: &Paths<'_>,
-        first: &[u32],
-        rank: usize,
-    ) -> Corners {
-        self.corners_of_in::<METRIC, Avx2>(paths, first, rank)
+    fn corners_of_avx2(&mut self, paths: &Paths<'_>, first: &[u32], rank: usize) -> Corners<Away> {
+        self.corners_of_in::<Avx2>(paths, first, rank)
     }
 
     #[inline(always)]
-    fn corners_of_in<const METRIC: bool, R: Rows>(
-        &mut self,
-        paths: &Paths<'_>,
-        first: &[u32],
-        rank: usize,
-    ) -> Corners {
-        let mut corners = Corners::default();
+    fn corners_of_in<R: Rows>(&mut self, paths: &Paths<'_>, first: &[u32], rank: usize) -> Corners<Away> {
+        self.own_of(paths, rank, true);
         let (tiles, masks) = paths.graph.row(rank);
         for (&t, &mask) in tiles.iter().zip(masks) {
-            self.own[t as usize] = mask;
-        }
-        let (own_tile, own_bit) = paths.graph.tiles.slot_of[rank];
-        self.own[own_tile as usize] |= 1 << own_bit;
-        if METRIC {
-            for (&t, &mask) in tiles.iter().zip(masks) {
-                let mut bits = mask & paths.turns[t as usize];
-                while bits != 0 {
-                    self.measure(paths, rank, t << 6 | bits.trailing_zeros());
-                    bits &= bits - 1;
-                }
-            }
-        }
-        for (&t, &mask) in tiles.iter().zip(masks) {
-            let mut bits = mask;
+            let mut bits = mask & paths.turns[t as usize];
             while bits != 0 {
-                let bit = bits.trailing_zeros();
+                self.measure(paths, rank, t << 6 | bits.trailing_zeros());
                 bits &= bits - 1;
-                let start = corners.cells.len() as u32;
-                if paths.turns[t as usize] >> bit & 1 == 1 {
-                    if METRIC {
-                        self.add_shortest::<R>(paths, first, rank, t << 6 | bit, &mut corners.cells);
-                    } else {
-                        self.add_all(paths, first, rank, t << 6 | bit, &mut corners.cells);
-                    }
-                }
-                corners.list_to.push(List { start, count: corners.cells.len() as u32 - start });
             }
         }
+        let lists = self.lists_of(paths, rank, |scratch, via, cells| {
+            scratch.add_shortest::<R>(paths, first, rank, via, cells);
+        });
         for tile in self.touched.drain(..) {
             self.best[tile as usize * 64..][..64].fill(f32::INFINITY);
         }
-        for &t in tiles {
-            self.own[t as usize] = 0;
+        lists
+    }
+
+    /// Sets what a rank sees, or nothing.
+    #[inline(always)]
+    fn own_of(&mut self, paths: &Paths<'_>, rank: usize, sees: bool) {
+        let (tiles, masks) = paths.graph.row(rank);
+        for (&t, &mask) in tiles.iter().zip(masks) {
+            self.own[t as usize] = if sees { mask } else { 0 };
         }
-        self.own[own_tile as usize] = 0;
-        corners
+        let (tile, bit) = paths.graph.tiles.slot_of[rank];
+        let own = &mut self.own[tile as usize];
+        *own = if sees { *own | 1 << bit } else { 0 };
+    }
+
+    /// The lists of one rank, numbered from 0; `add` puts in what is beyond a slot, with the numbers of ways instead of
+    /// those of lists.
+    #[inline(always)]
+    fn lists_of<C: Cell>(
+        &mut self,
+        paths: &Paths<'_>,
+        rank: usize,
+        add: impl Fn(&Self, u32, &mut Vec<C>),
+    ) -> Corners<C> {
+        let mut lists = Corners::new();
+        self.own_of(paths, rank, true);
+        let (tiles, masks) = paths.graph.row(rank);
+        for (&t, &mask) in tiles.iter().zip(masks) {
+            let mut bits = mask;
+            while bits != 0 {
+                let via = t << 6 | bits.trailing_zeros();
+                bits &= bits - 1;
+                let start = lists.cells.len();
+                if paths.may_turn(via) {
+                    add(self, via, &mut lists.cells);
+                }
+                if lists.cells.len() > start {
+                    lists.list_of_way.push(lists.end.len() as u32);
+                    lists.end.push(lists.cells.len() as u32);
+                } else {
+                    lists.list_of_way.push(NONE);
+                }
+            }
+        }
+        self.own_of(paths, rank, false);
+        lists
     }
 
     /// Lowers `best` to the ways over `via`.
@@ -302,7 +316,7 @@ impl Scratch {
         first: &[u32],
         rank: usize,
         via: u32,
-        cells: &mut Cells,
+        cells: &mut Vec<Away>,
     ) {
         let to_via = ToVia::new(paths, rank, via);
         let via_rank = paths.rank(via);
@@ -318,7 +332,7 @@ impl Scratch {
                     let slot = first + chosen.trailing_zeros();
                     chosen &= chosen - 1;
                     let way = way + (mask & ((1 << (slot & 63)) - 1)).count_ones();
-                    cells.by_length.push(Away { length: paths.length(via, slot), slot, way });
+                    cells.push(Away { length: paths.length(via, slot), slot, list: way });
                 }
             }
             way += mask.count_ones();
@@ -327,7 +341,7 @@ impl Scratch {
 
     /// Adds all that `via` sees and the vertex does not.
     #[inline(always)]
-    fn add_all(&self, paths: &Paths<'_>, first: &[u32], rank: usize, via: u32, cells: &mut Cells) {
+    fn add_all(&self, paths: &Paths<'_>, first: &[u32], rank: usize, via: u32, cells: &mut Vec<Turned>) {
         let (tile, bit) = paths.graph.tiles.slot_of[rank];
         let heading = paths.direction(tile << 6 | u32::from(bit), via);
         let via_rank = paths.rank(via);
@@ -339,8 +353,8 @@ impl Scratch {
                 let bit = bits.trailing_zeros();
                 bits &= bits - 1;
                 let slot = tile << 6 | bit;
-                let way = way + (mask & ((1 << bit) - 1)).count_ones();
-                cells.by_turn.push(Turned { turn: turn(heading, paths.direction(via, slot)), slot, way });
+                let list = way + (mask & ((1 << bit) - 1)).count_ones();
+                cells.push(Turned { turn: turn(heading, paths.direction(via, slot)), slot, list });
             }
             way += mask.count_ones();
         }
@@ -372,16 +386,4 @@ impl ToVia {
         }
         Some((tile << 6 | row, some, ways))
     }
-}
-
-/// The first bit of the next row of eight that has any, and the row, which is taken off.
-#[inline(always)]
-pub(super) fn next_row(bits: &mut u64) -> Option<(u32, u32)> {
-    if *bits == 0 {
-        return None;
-    }
-    let row = bits.trailing_zeros() & !7;
-    let cells = (*bits >> row) as u32 & 0xff;
-    *bits &= !(0xff << row);
-    Some((row, cells))
 }

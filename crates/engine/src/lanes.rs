@@ -52,6 +52,27 @@ pub(super) trait Vector: Copy {
 /// Cells of a row of a tile.
 pub(super) const ROW: usize = 8;
 
+/// The first bit of the next row of eight that has any, and the row, which is taken off.
+#[inline(always)]
+pub(super) fn next_row(bits: &mut u64) -> Option<(u32, u32)> {
+    if *bits == 0 {
+        return None;
+    }
+    let row = bits.trailing_zeros() & !7;
+    let cells = (*bits >> row) as u32 & 0xff;
+    *bits &= !(0xff << row);
+    Some((row, cells))
+}
+
+/// The mask of a tile in a row of the graph, tiles asked for in ascending order.
+#[inline(always)]
+pub(super) fn known_in((tiles, masks): (&[u32], &[u64]), tile: u32, next: &mut usize) -> u64 {
+    while *next < tiles.len() && tiles[*next] < tile {
+        *next += 1;
+    }
+    if tiles.get(*next) == Some(&tile) { masks[*next] } else { 0 }
+}
+
 /// Comparisons of a row of a tile at once.
 pub(super) trait Rows {
     /// Bit `i`: `a[i] < b[i]`.

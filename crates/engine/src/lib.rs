@@ -57,19 +57,24 @@ pub mod isovist;
 mod lanes;
 pub mod measures;
 mod offsets;
+mod order;
 mod path_columns;
+#[cfg(test)]
+mod path_columns_tests;
 pub mod paths;
+mod queue;
 mod refusal;
 mod region;
 mod relays;
 pub mod sampled;
+mod shortest;
 pub mod stairs;
 mod stars;
+mod straightest;
 mod strips;
 pub mod through;
 mod tiles;
 pub mod visibility;
-mod walk;
 mod wave;
 
 /// The cells of a study: a square lattice, the vertices `V = V_q ∪ V_r` on it, and both regions.

@@ -12,8 +12,11 @@ use rayon::prelude::*;
 
 use super::corners::{Corners, STRAIGHTEST_MAX};
 use super::measures::{Column, UNDEFINED, transpose};
+use super::order::Order;
 use super::paths::Paths;
-use super::walk::Walk;
+use super::queue::cost_of;
+use super::shortest::Shortest;
+use super::straightest::Straightest;
 
 impl Paths<'_> {
     /// `Metric Mean Shortest-Path Turn`, `… Distance`, `Metric Mean Straight-Line Distance` (metres),
@@ -28,20 +31,22 @@ impl Paths<'_> {
         let limit = self.radius(radius_m);
         let corners = Corners::shortest(self);
         let in_metres = |cells: f64| (cells * self.spacing_m()) as f32;
-        let row = |walk: &mut Walk, v: usize| {
+        let row = |(walk, order): &mut (Shortest, Order), v: usize| {
             let root = self.slot_of_vertex[v];
-            walk.metric(self, corners.as_ref(), &[root], limit);
+            walk.walk(self, corners.as_ref(), &[root], limit);
+            let reached = order.by_cost(self, walk.reached(), &walk.cost, limit);
             let mut sums = [0f32; 3];
-            for &(cost, slot) in &walk.reached {
-                sums[0] += walk.angle[slot as usize];
-                sums[1] += in_metres(f64::from(cost));
+            for &key in reached {
+                let slot = self.slot_of_vertex[key as u32 as usize];
+                sums[0] += walk.turned(self, slot);
+                sums[1] += in_metres(f64::from(cost_of(key)));
                 sums[2] += in_metres(self.length(root, slot));
             }
-            let n = walk.reached.len() as f64;
+            let n = reached.len() as f64;
             let [angle, length, straight] = sums.map(|sum| f64::from(sum) / n);
             [angle, length, straight, n]
         };
-        self.all(names, radius_m, row)
+        self.all(names, radius_m, || (Shortest::new(self), Order::default()), row)
     }
 
     /// `Angular Mean Depth`, `Angular Node Count`, `Angular Total Depth`. Paths of more than `radius`
@@ -50,50 +55,55 @@ impl Paths<'_> {
         let names = [column_of(Measure::AngularDepth), ANGULAR_NODE_COUNT, column_of(Measure::AngularTotal)];
         let limit = radius.unwrap_or(f64::INFINITY);
         let corners = Corners::straightest(self, STRAIGHTEST_MAX);
-        let row = |walk: &mut Walk, v: usize| {
-            walk.angular(self, corners.as_ref(), &[self.slot_of_vertex[v]], limit);
-            let total = f64::from(walk.reached.iter().map(|&(cost, _)| cost).sum::<f32>());
+        let row = |walk: &mut Straightest, v: usize| {
+            walk.walk(self, corners.as_ref(), &[self.slot_of_vertex[v]], limit);
+            let total = f64::from(walk.reached.iter().sum::<f32>());
             let n = walk.reached.len() as f64;
             [total / n, n, total]
         };
-        self.all(names, radius, row)
+        self.all(names, radius, || Straightest::new(self), row)
     }
 
     /// Visual, metric (metres) and angular depth of every vertex from the nearest of some vertices;
     /// [`UNDEFINED`] where there is no way.
     pub fn step_columns(&self, from: &[u32]) -> Vec<Column> {
-        let mut walk = Walk::new(self.graph);
-        let column = |name: &str, of_vertex: &dyn Fn(usize) -> f64| {
-            let values = (0..self.graph.len()).map(of_vertex).collect();
+        let column = |name: &str, of_slot: &dyn Fn(u32) -> Option<f64>| {
+            let values = self.slot_of_vertex.iter().map(|&slot| of_slot(slot).unwrap_or(UNDEFINED)).collect();
             Column { name: name.to_string(), values }
         };
         let steps = self.graph.steps_from(from);
-        let seen = |v: usize| if steps[v] == u32::MAX { UNDEFINED } else { f64::from(steps[v]) };
+        let seen = |slot: u32| {
+            let steps = steps[self.vertex_of_slot[slot as usize] as usize];
+            (steps != u32::MAX).then(|| f64::from(steps))
+        };
+        let cost_in = |costs: &[f32], slot: u32| Some(costs[slot as usize]).filter(|c| c.is_finite());
         let mut columns = vec![column(VISUAL_STEP_DEPTH, &seen)];
         let roots: Vec<u32> = from.iter().map(|&v| self.slot_of_vertex[v as usize]).collect();
-        walk.metric(self, None, &roots, f64::INFINITY);
-        let defined = |walk: &Walk, v: usize, value: &dyn Fn(u32, f64) -> f64| {
-            let slot = self.slot_of_vertex[v];
-            let cost = f64::from(walk.cost[slot as usize]);
-            if cost.is_finite() { value(slot, cost) } else { UNDEFINED }
-        };
-        let turned = |slot: u32, _: f64| f64::from(walk.angle[slot as usize]);
-        columns.push(column(METRIC_STEP_TURN, &|v| defined(&walk, v, &turned)));
-        let length = |_: u32, cost: f64| cost * self.spacing_m();
-        columns.push(column(METRIC_STEP_LENGTH, &|v| defined(&walk, v, &length)));
-        walk.angular(self, None, &roots, f64::INFINITY);
-        columns.push(column(ANGULAR_STEP_DEPTH, &|v| defined(&walk, v, &|_, cost| cost)));
+        let mut walk = Shortest::new(self);
+        walk.walk(self, None, &roots, f64::INFINITY);
+        let turned = |slot| cost_in(&walk.cost, slot).map(|_| f64::from(walk.turned(self, slot)));
+        columns.push(column(METRIC_STEP_TURN, &turned));
+        let length = |slot| cost_in(&walk.cost, slot).map(|cost| f64::from(cost) * self.spacing_m());
+        columns.push(column(METRIC_STEP_LENGTH, &length));
+        let mut walk = Straightest::new(self);
+        walk.walk(self, None, &roots, f64::INFINITY);
+        columns.push(column(ANGULAR_STEP_DEPTH, &|slot| cost_in(&walk.cost, slot).map(f64::from)));
         columns
     }
 
-    fn all<const K: usize>(
+    fn all<W, const K: usize>(
         &self,
         names: [&str; K],
         radius: Option<f64>,
-        row: impl Fn(&mut Walk, usize) -> [f64; K] + Sync + Send,
+        walk: impl Fn() -> W + Sync + Send,
+        row: impl Fn(&mut W, usize) -> [f64; K] + Sync + Send,
     ) -> Vec<Column> {
-        let n = self.graph.len();
-        let rows: Vec<[f64; K]> = (0..n).into_par_iter().map_init(|| Walk::new(self.graph), row).collect();
+        // Neighbours in a tile follow one another: their walks go through the same lists, which stay in the cache.
+        let vertex_of = &self.graph.tiles.vertex_of;
+        let of_rank = |walk: &mut W, &v: &u32| row(walk, v as usize);
+        let by_rank: Vec<[f64; K]> = vertex_of.par_iter().map_init(walk, of_rank).collect();
+        let rows: Vec<[f64; K]> =
+            self.graph.tiles.rank_of.iter().map(|&rank| by_rank[rank as usize]).collect();
         let suffix = radius.map(|r| format!(" R{r}")).unwrap_or_default();
         transpose(names.map(|name| format!("{name}{suffix}")), &rows)
     }
@@ -233,19 +243,19 @@ mod tests {
             let turning = if everywhere { Turning::Everywhere } else { Turning::AtWalls };
             let graph = visibility::visibility_graph(&lattice, &obstacles);
             let mut paths = Paths::new(&lattice, &graph, &obstacles, turning);
-            let corners = Corners::new(&paths);
-            let mut walk = Walk::new(&graph);
+            let corners = Corners::shortest(&paths);
+            let mut walk = Shortest::new(&paths);
             for root in (0..lattice.cells.len() as u32).step_by(37) {
                 let slot = [paths.slot_of_vertex[root as usize]];
-                let costs = |walk: &Walk| {
+                let costs = |walk: &Shortest| {
                     let cost = paths.slot_of_vertex.iter().map(|&s| f64::from(walk.cost[s as usize]));
                     cost.collect::<Vec<f64>>()
                 };
                 let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a == b || (a - b).abs() < 1e-4);
-                walk.metric(&paths, None, &slot, f64::INFINITY);
+                walk.walk(&paths, None, &slot, f64::INFINITY);
                 let plain = costs(&walk);
                 prop_assert!(near(&plain, &by_dijkstra(&paths, &lattice, root, true)));
-                walk.metric(&paths, Some(&corners), &slot, f64::INFINITY);
+                walk.walk(&paths, corners.as_ref(), &slot, f64::INFINITY);
                 prop_assert!(near(&costs(&walk), &plain));
             }
             let best: Vec<Column> = paths.angular_columns(None);
@@ -266,17 +276,17 @@ mod tests {
             let graph = visibility::visibility_graph(&lattice, &obstacles);
             let mut paths = Paths::new(&lattice, &graph, &obstacles, turning);
             let corners = Corners::straightest(&paths, usize::MAX);
-            let cells = corners.as_ref().map_or(0, Corners::cells);
+            let cells = corners.as_ref().map_or(0, Corners::len);
             prop_assert!(cells == 0 || Corners::straightest(&paths, cells - 1).is_none());
             prop_assert!(cells == 0 || cells > STRAIGHTEST_MAX || Corners::straightest(&paths, cells).is_some());
-            let mut walk = Walk::new(&graph);
+            let mut walk = Straightest::new(&paths);
             for root in (0..lattice.cells.len() as u32).step_by(37) {
                 let slot = [paths.slot_of_vertex[root as usize]];
                 for path in Path::available() {
                     paths.path = path;
-                    walk.angular(&paths, None, &slot, f64::INFINITY);
+                    walk.walk(&paths, None, &slot, f64::INFINITY);
                     let plain = walk.reached.clone();
-                    walk.angular(&paths, corners.as_ref(), &slot, f64::INFINITY);
+                    walk.walk(&paths, corners.as_ref(), &slot, f64::INFINITY);
                     prop_assert_eq!(&walk.reached, &plain);
                 }
             }

@@ -80,6 +80,12 @@ impl<'a> Paths<'a> {
         self.graph.tiles.rank(slot >> 6, slot & 63)
     }
 
+    /// Whether paths may turn at a slot.
+    #[inline(always)]
+    pub(super) fn may_turn(&self, slot: u32) -> bool {
+        self.turns[slot as usize >> 6] >> (slot & 63) & 1 == 1
+    }
+
     /// Cells between two slots.
     #[inline(always)]
     pub(super) fn length(&self, from: u32, to: u32) -> f64 {
