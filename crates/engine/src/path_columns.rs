@@ -19,17 +19,16 @@ impl Paths<'_> {
     /// `Metric Mean Shortest-Path Turn`, `… Distance`, `Metric Mean Straight-Line Distance` (metres),
     /// `Metric Node Count`; means include the vertex itself. Paths longer than `radius_m` do not count.
     pub fn metric_columns(&self, radius_m: Option<f64>) -> Vec<Column> {
-        let names = [
-            column_of(Measure::MetricAngle),
-            column_of(Measure::MetricDistance),
-            column_of(Measure::MetricStraight),
-            METRIC_NODE_COUNT,
-        ];
+        metric_columns_from(&self.metric_rows(&self.all(), radius_m), radius_m)
+    }
+
+    /// The values of [`metric_columns`](Self::metric_columns) for some vertices.
+    pub fn metric_rows(&self, vertices: &[u32], radius_m: Option<f64>) -> Vec<[f64; 4]> {
         let limit = self.radius(radius_m);
         let corners = Corners::shortest(self);
         let in_metres = |cells: f64| (cells * self.spacing_m()) as f32;
-        let row = |walk: &mut Walk, v: usize| {
-            let root = self.slot_of_vertex[v];
+        let row = |walk: &mut Walk, v: &u32| {
+            let root = self.slot_of_vertex[*v as usize];
             walk.metric(self, corners.as_ref(), &[root], limit);
             let mut sums = [0f32; 3];
             for &(cost, slot) in &walk.reached {
@@ -41,22 +40,26 @@ impl Paths<'_> {
             let [angle, length, straight] = sums.map(|sum| f64::from(sum) / n);
             [angle, length, straight, n]
         };
-        self.all(names, radius_m, row)
+        vertices.par_iter().map_init(|| Walk::new(self.graph), row).collect()
     }
 
     /// `Angular Mean Depth`, `Angular Node Count`, `Angular Total Depth`. Paths of more than `radius`
     /// right angles do not count.
     pub fn angular_columns(&self, radius: Option<f64>) -> Vec<Column> {
-        let names = [column_of(Measure::AngularDepth), ANGULAR_NODE_COUNT, column_of(Measure::AngularTotal)];
+        angular_columns_from(&self.angular_rows(&self.all(), radius), radius)
+    }
+
+    /// The values of [`angular_columns`](Self::angular_columns) for some vertices.
+    pub fn angular_rows(&self, vertices: &[u32], radius: Option<f64>) -> Vec<[f64; 3]> {
         let limit = radius.unwrap_or(f64::INFINITY);
         let corners = Corners::straightest(self, STRAIGHTEST_MAX);
-        let row = |walk: &mut Walk, v: usize| {
-            walk.angular(self, corners.as_ref(), &[self.slot_of_vertex[v]], limit);
+        let row = |walk: &mut Walk, v: &u32| {
+            walk.angular(self, corners.as_ref(), &[self.slot_of_vertex[*v as usize]], limit);
             let total = f64::from(walk.reached.iter().map(|&(cost, _)| cost).sum::<f32>());
             let n = walk.reached.len() as f64;
             [total / n, n, total]
         };
-        self.all(names, radius, row)
+        vertices.par_iter().map_init(|| Walk::new(self.graph), row).collect()
     }
 
     /// Visual, metric (metres) and angular depth of every vertex from the nearest of some vertices;
@@ -86,21 +89,35 @@ impl Paths<'_> {
         columns
     }
 
-    fn all<const K: usize>(
-        &self,
-        names: [&str; K],
-        radius: Option<f64>,
-        row: impl Fn(&mut Walk, usize) -> [f64; K] + Sync + Send,
-    ) -> Vec<Column> {
-        let n = self.graph.len();
-        let rows: Vec<[f64; K]> = (0..n).into_par_iter().map_init(|| Walk::new(self.graph), row).collect();
-        let suffix = radius.map(|r| format!(" R{r}")).unwrap_or_default();
-        transpose(names.map(|name| format!("{name}{suffix}")), &rows)
+    fn all(&self) -> Vec<u32> {
+        (0..self.graph.len() as u32).collect()
     }
 
     fn radius(&self, radius_m: Option<f64>) -> f64 {
         radius_m.map_or(f64::INFINITY, |r| r / self.spacing_m())
     }
+}
+
+/// [`Paths::metric_columns`] from the rows of all vertices.
+pub fn metric_columns_from(rows: &[[f64; 4]], radius_m: Option<f64>) -> Vec<Column> {
+    let names = [
+        column_of(Measure::MetricAngle),
+        column_of(Measure::MetricDistance),
+        column_of(Measure::MetricStraight),
+        METRIC_NODE_COUNT,
+    ];
+    named_rows(names, rows, radius_m)
+}
+
+/// [`Paths::angular_columns`] from the rows of all vertices.
+pub fn angular_columns_from(rows: &[[f64; 3]], radius: Option<f64>) -> Vec<Column> {
+    let names = [column_of(Measure::AngularDepth), ANGULAR_NODE_COUNT, column_of(Measure::AngularTotal)];
+    named_rows(names, rows, radius)
+}
+
+fn named_rows<const K: usize>(names: [&str; K], rows: &[[f64; K]], radius: Option<f64>) -> Vec<Column> {
+    let suffix = radius.map(|r| format!(" R{r}")).unwrap_or_default();
+    transpose(names.map(|name| format!("{name}{suffix}")), rows)
 }
 
 #[cfg(test)]

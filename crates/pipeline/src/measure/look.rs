@@ -58,7 +58,7 @@ impl Look {
         base: &Understood,
         identity: &Layout,
         settings: &Settings,
-        (use_for, over, unit_m): (Use, Over<'_>, f64),
+        (use_for, over, unit_m): (Use<'_>, Over<'_>, f64),
         report: &mut Report,
     ) -> Result<Self, Error> {
         let main = Scene::new(ground, base, identity, asked(settings, None), (use_for, over), report)?;
@@ -105,7 +105,7 @@ pub(crate) fn pairs(
     ground: &Ground<'_>,
     identity: &Layout,
     settings: &Settings,
-    (use_for, over): (Use, Over<'_>),
+    (use_for, over): (Use<'_>, Over<'_>),
     report: &mut Report,
 ) -> Result<Vec<Pair>, Error> {
     let markers = &base.plan.markers;
