@@ -28,6 +28,14 @@ pub struct Part {
     pub cells: u64,
 }
 
+/// Refuses what cannot be asked for, before anything is done.
+///
+/// # Errors
+/// [`Error::Usage`] for a measure that does not exist and a radius of no whole steps.
+pub fn judge(asked: &CellOptions) -> Result<(), Error> {
+    asked.wanted().map(drop)
+}
+
 /// Measures what is asked for of the cells, as [`measure_cells`](crate::cells::measure_cells) is asked, at a share of them:
 /// part `number`, from 1, of `count`.
 ///

@@ -84,10 +84,8 @@ fn rooms_have_the_levels_of_waves() {
             let stars = pool.install(|| levels_by(way, &graph, &lattice.query));
             assert!(stars.as_ref() == Some(&waves), "{way:?}");
         }
-        for shares in [2, 7, 1_000] {
-            let stars = levels_in_shares(way, &graph, &lattice.query, shares);
-            assert!(stars.as_ref() == Some(&waves), "{way:?} in {shares} shares");
-        }
+        let stars = levels_in_shares(way, &graph, &lattice.query, 3);
+        assert!(stars.as_ref() == Some(&waves), "{way:?} in shares");
     }
 }
 
