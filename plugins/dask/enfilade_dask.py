@@ -391,9 +391,9 @@ def _wrong_number(args) -> str | None:
 def main(argv: list[str] | None = None) -> int:
     """The command: `python -m enfilade_dask jobs.jsonl --scheduler tcp://…`."""
     what = "Does the jobs of `enfilade jobs` with Dask, or the parts of `enfilade parts`, which it merges."
-    parser = argparse.ArgumentParser(prog="enfilade_dask", description=what)
+    after = "After --: options of `enfilade merge`, such as -- --cells cells.csv"
+    parser = argparse.ArgumentParser(prog="enfilade_dask", description=what, epilog=after)
     parser.add_argument("jobs", help="the file that `enfilade jobs … -o` or `enfilade parts … -o` wrote")
-    parser.add_argument("merging", nargs="*", help="after --: options of `enfilade merge`, such as --cells cells.csv")
     parser.add_argument("--scheduler", help="tcp://HOST:PORT or tls://HOST:PORT; workers on this machine without it")
     parser.add_argument("--workers", type=int, default=None, help="how many, on this machine; one a core without it")
     parser.add_argument("--program", default="enfilade", help="the program on the workers")
@@ -402,14 +402,16 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--resource", action="append", default=[], metavar="NAME=N", help="what a worker must offer")
     parser.add_argument("--retries", type=int, default=RETRIES, help=f"how often a job is tried again; {RETRIES} without it")
     parser.add_argument("--tls-ca"), parser.add_argument("--tls-cert"), parser.add_argument("--tls-key")
-    args = parser.parse_args(argv)
+    argv = sys.argv[1:] if argv is None else list(argv)
+    end = argv.index("--") if "--" in argv else len(argv)
+    args, merging = parser.parse_args(argv[:end]), argv[end + 1 :]
     try:
         jobs = read_jobs(args.jobs)
     except (OSError, ValueError) as error:
         return _refused(f"{args.jobs} cannot be read as a list of jobs: {error}")
     if not jobs:
         return _refused(f"{args.jobs} has no job in it, expected one a line, as `enfilade jobs` writes them")
-    wrong = _wrong_number(args) or (args.merging and not are_parts(jobs) and f"{args.merging[0]}: these jobs are not merged")
+    wrong = _wrong_number(args) or (merging and not are_parts(jobs) and f"{merging[0]}: these jobs are not merged")
     if wrong:
         return _refused(wrong)
     try:
@@ -433,7 +435,7 @@ def main(argv: list[str] | None = None) -> int:
         )
     if are_parts(jobs):
         if all(row.finished for row in rows):
-            return merge(args.jobs, args.program, args.merging)
+            return merge(args.jobs, args.program, merging)
         left = sum(not row.finished for row in rows)
         print(f"enfilade_dask: {left} of {len(rows)} parts are not done; the same command does what is left", file=sys.stderr)
         return LEFT_OUT
