@@ -7,6 +7,7 @@ mod brief;
 mod installing;
 pub mod library;
 mod limits;
+mod listing;
 mod outputs;
 mod parting;
 mod telling;

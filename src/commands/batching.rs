@@ -5,19 +5,18 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
+use super::listing::{TRY_AGAIN, hand_lines, is_drawing};
 use super::parting;
 use crate::batch::{self, Finished, Job};
 use crate::cli::{JobsArgs, RunJobArgs};
 use crate::daemon::{Asked, JobEvent, JobRequest, Share};
-use crate::output::{print, say};
+use crate::output::say;
 use crate::progress::Display;
 use crate::store;
 use enfilade_cad::StoreyInfo;
 use enfilade_config::{Beside, Partial, Settings};
-use enfilade_report::{Cancel, Error, Place, Report, complain, counted};
+use enfilade_report::{Cancel, Error, Place, complain};
 
-/// Try again later: the exit code of `sysexits.h` that batch systems know.
-pub(super) const TRY_AGAIN: u8 = 75;
 /// Where results go if nothing is said.
 const OUT: &str = "enfilade-jobs";
 
@@ -38,19 +37,6 @@ pub(super) fn jobs(args: &JobsArgs) -> Result<u8, Error> {
     }
     hand_lines(args.output.as_deref(), &lines, (!args.common.quiet).then_some("job"))?;
     Ok(0)
-}
-
-/// Writes a list where it is wanted; says how many of what it has.
-pub(super) fn hand_lines(to: Option<&Path>, lines: &str, of: Option<&str>) -> Result<(), Error> {
-    let Some(to) = to.filter(|to| !super::is_standard_output(to)) else {
-        print(lines);
-        return Ok(());
-    };
-    super::write(to, lines.as_bytes())?;
-    if let Some(of) = of {
-        say(&format!("{}: {}", to.display(), counted(lines.lines().count() as u64, of)));
-    }
-    Ok(())
 }
 
 fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> Result<Vec<Job>, Error> {
@@ -80,24 +66,6 @@ fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> R
         Ok(job.with_beside(&beside))
     };
     storeys.iter().flat_map(|storey| seeds.iter().map(move |seed| of(storey, *seed))).collect()
-}
-
-/// Files of other endings are listed only if they are drawings: a list of jobs is none.
-pub(super) fn is_drawing(file: &Path, shown: &str, bytes: &[u8]) -> Result<(), Error> {
-    let ending = file.extension().unwrap_or_default();
-    if enfilade_cad::ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
-        return Ok(());
-    }
-    let read =
-        enfilade_cad::read(shown, bytes, &enfilade_cad::ReadOptions::default(), &mut Report::default());
-    read.map(drop).map_err(|_| {
-        let text = format!(
-            "is no drawing, found the ending {:?}, expected one of {}; nothing was done",
-            ending.to_string_lossy(),
-            enfilade_cad::ENDINGS.join(", ")
-        );
-        Error::input("no-drawing", Place::file(shown), text)
-    })
 }
 
 /// The storeys that a job of these settings would find.

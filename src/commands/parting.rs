@@ -3,8 +3,8 @@
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use super::batching::{TRY_AGAIN, hand_lines, is_drawing};
 use super::limits::Clock;
+use super::listing::{TRY_AGAIN, hand_lines, is_drawing};
 use super::{absolute, analysed, open, outputs, settings_partial};
 use crate::batch::{FinishedPart, Job, PartOf};
 use crate::cli::{AnalyseArgs, Command, Common, MergeArgs, PartsArgs};
