@@ -2,9 +2,10 @@
 //!
 //! A job is content-addressed: its id is the SHA-256 of the program's version, the drawing's name and bytes
 //! and the settings. The same id means the same result, so that it is done once wherever results are shared,
-//! and may be done again anywhere without harm. Results lie in `OUT/<id>/result/`, whole or not at all.
+//! and may be done again anywhere without harm. A job makes a round, or measures a part of an analysis. Results lie in `OUT/<id>/result/`, whole or not at all.
 
 mod beside;
+mod part;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,6 +23,7 @@ use enfilade_config::{Beside, Partial, Settings};
 use enfilade_overlay::result::{RoundResult, to_json};
 use enfilade_pipeline::Outcome;
 use enfilade_report::{Error, OutFile, Place};
+pub use part::{FinishedPart, PART_SCHEMA, PartOf};
 
 /// `schema` of a [`Job`].
 pub const JOB_SCHEMA: &str = "enfilade.job/1";
@@ -56,6 +58,9 @@ pub struct Job {
     /// What lies beside a scene and is read with it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub beside: Vec<FileBeside>,
+    /// Which part of an analysis it is; none: a round.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<PartOf>,
 }
 
 /// What a finished job says of itself: one line on standard output, and `job.json` among its results.
@@ -113,6 +118,7 @@ impl Job {
             out: out.into(),
             content: embed.then(|| BASE64.encode(bytes)),
             beside: Vec::new(),
+            part: None,
         };
         job.id = job.id_of();
         Ok(job)
@@ -180,6 +186,8 @@ impl Job {
         let name = self.name();
         let mut parts = vec![enfilade_config::VERSION, &name, &self.sha256, &settings];
         parts.extend(self.beside.iter().flat_map(|f| [f.kind.name(), &f.name, &f.sha256]));
+        let part = self.part.as_ref().map(|part| serde_json::to_string(&part.deciding()).unwrap_or_default());
+        parts.extend(part.as_deref());
         sha256_hex(parts.join("\n").as_bytes())
     }
 

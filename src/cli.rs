@@ -3,6 +3,7 @@
 mod choices;
 mod idle;
 mod manual;
+mod parts;
 mod reading;
 mod values;
 
@@ -19,6 +20,7 @@ use enfilade_config::{BriefText, JOB_SECS, Partial};
 use enfilade_pipeline::resolution;
 use enfilade_report::complain;
 pub use manual::man;
+pub use parts::{MergeArgs, PartsArgs};
 use reading::ReadingArgs;
 use values::{graph_file, json_file, levels, picture_file, point, radius, whole};
 
@@ -97,8 +99,12 @@ pub enum Command {
     Accept(AcceptArgs),
     /// List jobs for many machines, one a line: drawings, storeys and seeds.
     Jobs(JobsArgs),
-    /// Do one such job, unless it is done. Exit code 2: bad input; 75: try again.
+    /// Do one such job or part, unless it is done. Exit code 2: bad input; 75: try again.
     RunJob(RunJobArgs),
+    /// List the parts of one large analysis for many machines, one a line; `run-job` does each.
+    Parts(PartsArgs),
+    /// Join the parts: the analysis that one machine would have made. Exit code 75: some are not done.
+    Merge(MergeArgs),
     /// Say what the daemon does in the folders.
     Status(StatusArgs),
     /// Open the page of a running daemon in the browser.
@@ -599,7 +605,7 @@ pub struct JobsArgs {
 /// `run-job`.
 #[derive(Debug, Args)]
 pub struct RunJobArgs {
-    /// The job as `jobs` wrote it; - for standard input.
+    /// The job as `jobs` or `parts` wrote it; - for standard input.
     #[arg(value_name = "JSON")]
     pub job: String,
     /// Results go below this folder instead of the one the job names.

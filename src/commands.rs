@@ -7,7 +7,9 @@ mod brief;
 mod installing;
 pub mod library;
 mod limits;
+mod listing;
 mod outputs;
+mod parting;
 mod telling;
 mod watching;
 mod works;
@@ -40,7 +42,7 @@ use enfilade_overlay::words::headline;
 use enfilade_pipeline::accept::Origin;
 use enfilade_pipeline::cells::{CellOptions, cells, cells_csv, edges_csv};
 use enfilade_pipeline::geojson::{cells_geojson, edges_geojson};
-use enfilade_pipeline::{Event, Input, Outcome, resolution};
+use enfilade_pipeline::{Event, Input, Known, Outcome, resolution};
 use enfilade_report::{Cancel, Error, Place, Report, Severity, complain, counted, gathered};
 use limits::Clock;
 
@@ -92,6 +94,8 @@ fn carry_out(command: Command, cancel: &Cancel) -> Result<u8, Error> {
         Command::Accept(args) => accepting::accept(&args),
         Command::Jobs(args) => batching::jobs(&args),
         Command::RunJob(args) => batching::run_job(&args, cancel),
+        Command::Parts(args) => parting::parts(&args),
+        Command::Merge(args) => parting::merge(&args, cancel),
         Command::Status(args) => watching::status(&args),
         Command::Open(args) => installing::open(&args),
         Command::Service(args) => installing::service(&args),
@@ -191,12 +195,22 @@ fn estimate_words(result: &AnalysisResult, key: &str, of: &Interval) -> String {
 fn analyse(args: &AnalyseArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
     let (settings, out) = settings_for(&args.file, args.common.partial(None))?;
+    analysed(args, Input::new(&path, &bytes, 1), (settings, out), None, (clock, cancel))
+}
+
+/// The analysis of a drawing; of what is `known` from parts nothing is measured again.
+fn analysed(
+    args: &AnalyseArgs,
+    input: Input<'_>,
+    (settings, out): (Settings, Option<PathBuf>),
+    known: Option<&Known>,
+    (clock, cancel): (&Clock, &Cancel),
+) -> Result<u8, Error> {
     let placing = Placing { out_dir: out.as_deref().map(named_folder), fallback_dir: None };
     let home = Home::open(Arc::new(SystemDisk), &led_beside(&absolute(&args.file)), &placing)?;
-    let input = Input::new(&path, &bytes, 1);
     let tables_said = [&args.cells, &args.edges].into_iter().flatten().any(|to| is_standard_output(to));
     let is_told = args.common.json.is_some() || !args.common.quiet && !tables_said;
-    let depth = enfilade_pipeline::Depth { roots: roots_of(args), intervals: is_told };
+    let depth = enfilade_pipeline::Depth { roots: roots_of(args), intervals: is_told, known };
     let (mut outcome, study) = enfilade_pipeline::on_threads(&settings, || {
         enfilade_pipeline::analyse_with(&input, &settings, depth, &mut || clock.is_read(), cancel)
     })?;

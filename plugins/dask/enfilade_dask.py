@@ -1,6 +1,6 @@
-"""Many drawings, storeys and seeds on many machines: `enfilade run-job` under Dask distributed.
+"""Many drawings, storeys and seeds, or one large analysis, on many machines: `enfilade run-job` under Dask distributed.
 
-The jobs are those of `enfilade jobs`: each carries an id that is the hash of everything that decides its
+The jobs are those of `enfilade jobs` or the parts of `enfilade parts`: each carries an id that is the hash of everything that decides its
 result, so that a job which is done twice, by a worker that died or came late, leaves the same bytes once.
 """
 
@@ -26,7 +26,7 @@ from pathlib import Path
 
 RETRIES = 3
 """How often a job is tried again after `run-job` asked for it or its worker died."""
-DONE, LEFT_OUT, BAD_INPUT, TRY_AGAIN = 0, 1, 2, 75
+DONE, LEFT_OUT, BAD_INPUT, ENVIRONMENT, TRY_AGAIN = 0, 1, 2, 4, 75
 SCHEDULER_SECS = 20
 """A scheduler must take calls within this time at the start; one that is restarted later gets longer."""
 # A worker that was killed leaves its program at work on the job: it is waited for, and what it finishes is taken.
@@ -57,9 +57,16 @@ def read_jobs(path: str | os.PathLike) -> list[dict]:
         except ValueError as error:
             raise ValueError(f"line {number} is no JSON: {error}") from error
         if not isinstance(job, dict) or not all(isinstance(job.get(key), str) for key in ("id", "drawing", "out")):
-            raise ValueError(f"line {number} is no job of `enfilade jobs`")
+            raise ValueError(f"line {number} is no job of `enfilade jobs` or `enfilade parts`")
         jobs[job["id"]] = job
+    if len({bool(job.get("part")) for job in jobs.values()}) > 1:
+        raise ValueError("it has parts of an analysis beside other jobs, expected a list of each")
     return list(jobs.values())
+
+
+def are_parts(jobs: list[dict]) -> bool:
+    """Whether the jobs are the parts of one analysis, which are merged when all are done."""
+    return bool(jobs and jobs[0].get("part"))
 
 
 def with_content(job: dict) -> dict:
@@ -302,6 +309,15 @@ def digest_of(rows: list[Row]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def merge(listed: str | os.PathLike, program: str, options: list[str]) -> int:
+    """`enfilade merge` on this machine, what it says included; its exit code."""
+    try:
+        return subprocess.run([program, "merge", os.fspath(listed), *options]).returncode
+    except OSError as error:
+        print(f"enfilade_dask: {program}: {error}; all parts are done, and none is merged", file=sys.stderr)
+        return ENVIRONMENT
+
+
 def reach(address: str, secs: float) -> None:
     """Returns once the scheduler takes calls. `OSError` where it does not in that time, `ValueError` for no address."""
     from distributed.comm import get_address_host_port
@@ -374,8 +390,10 @@ def _wrong_number(args) -> str | None:
 
 def main(argv: list[str] | None = None) -> int:
     """The command: `python -m enfilade_dask jobs.jsonl --scheduler tcp://…`."""
-    parser = argparse.ArgumentParser(prog="enfilade_dask", description="Does the jobs of `enfilade jobs` with Dask.")
-    parser.add_argument("jobs", help="the file that `enfilade jobs … -o` wrote")
+    what = "Does the jobs of `enfilade jobs` with Dask, or the parts of `enfilade parts`, which it merges."
+    after = "After --: options of `enfilade merge`, such as -- --cells cells.csv"
+    parser = argparse.ArgumentParser(prog="enfilade_dask", description=what, epilog=after)
+    parser.add_argument("jobs", help="the file that `enfilade jobs … -o` or `enfilade parts … -o` wrote")
     parser.add_argument("--scheduler", help="tcp://HOST:PORT or tls://HOST:PORT; workers on this machine without it")
     parser.add_argument("--workers", type=int, default=None, help="how many, on this machine; one a core without it")
     parser.add_argument("--program", default="enfilade", help="the program on the workers")
@@ -384,14 +402,16 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--resource", action="append", default=[], metavar="NAME=N", help="what a worker must offer")
     parser.add_argument("--retries", type=int, default=RETRIES, help=f"how often a job is tried again; {RETRIES} without it")
     parser.add_argument("--tls-ca"), parser.add_argument("--tls-cert"), parser.add_argument("--tls-key")
-    args = parser.parse_args(argv)
+    argv = sys.argv[1:] if argv is None else list(argv)
+    end = argv.index("--") if "--" in argv else len(argv)
+    args, merging = parser.parse_args(argv[:end]), argv[end + 1 :]
     try:
         jobs = read_jobs(args.jobs)
     except (OSError, ValueError) as error:
         return _refused(f"{args.jobs} cannot be read as a list of jobs: {error}")
     if not jobs:
         return _refused(f"{args.jobs} has no job in it, expected one a line, as `enfilade jobs` writes them")
-    wrong = _wrong_number(args)
+    wrong = _wrong_number(args) or (merging and not are_parts(jobs) and f"{merging[0]}: these jobs are not merged")
     if wrong:
         return _refused(wrong)
     try:
@@ -406,13 +426,19 @@ def main(argv: list[str] | None = None) -> int:
 
     def show(row, n, total):
         words = row.error or row.finished.get("words", "")
-        print(f"{n}/{total} {Path(row.job['drawing']).name}: {words}", file=sys.stderr)
+        print(f"{n}/{total} {Path(row.job['drawing']).name}: {words}", file=sys.stderr, flush=True)
 
     with _client(args) as client:
         rows = run(
             client, jobs, program=args.program, share=not args.no_share, threads=threads_of(args), resources=resources,
             retries=args.retries, on_row=show,
         )
+    if are_parts(jobs):
+        if all(row.finished for row in rows):
+            return merge(args.jobs, args.program, merging)
+        left = sum(not row.finished for row in rows)
+        print(f"enfilade_dask: {left} of {len(rows)} parts are not done; the same command does what is left", file=sys.stderr)
+        return LEFT_OUT
     write_summary(rows, jobs[0]["out"])
     print(Path(jobs[0]["out"]) / "summary.html")
     print(digest_of(rows))

@@ -14,7 +14,7 @@ struct Idle {
 }
 
 /// Every such option; help, manual, completions and the refusal all go by it.
-const IDLE: [Idle; 10] = [
+const IDLE: [Idle; 14] = [
     Idle {
         command: "check",
         option: "out",
@@ -37,6 +37,14 @@ const IDLE: [Idle; 10] = [
     Idle { command: "jobs", option: "threads", instead: "each machine gives its own to `run-job`" },
     Idle { command: "jobs", option: "write_every", instead: "a job has its results when it ends" },
     Idle { command: "jobs", option: "progress", instead: "`run-job --progress` says how far a job is" },
+    Idle {
+        command: "parts",
+        option: "json",
+        instead: "the list is JSON, one part a line, and --output names its file",
+    },
+    Idle { command: "parts", option: "threads", instead: "each machine gives its own to `run-job`" },
+    Idle { command: "parts", option: "backend", instead: "parts are measured on the cores" },
+    Idle { command: "parts", option: "progress", instead: "how many parts are done says how far it is" },
 ];
 
 /// The commands as help and manual show them: without what they refuse.

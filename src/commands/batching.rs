@@ -5,18 +5,18 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
+use super::listing::{TRY_AGAIN, hand_lines, is_drawing};
+use super::parting;
 use crate::batch::{self, Finished, Job};
 use crate::cli::{JobsArgs, RunJobArgs};
 use crate::daemon::{Asked, JobEvent, JobRequest, Share};
-use crate::output::{print, say};
+use crate::output::say;
 use crate::progress::Display;
 use crate::store;
 use enfilade_cad::StoreyInfo;
 use enfilade_config::{Beside, Partial, Settings};
-use enfilade_report::{Cancel, Error, Place, Report, complain};
+use enfilade_report::{Cancel, Error, Place, complain};
 
-/// Try again later: the exit code of `sysexits.h` that batch systems know.
-const TRY_AGAIN: u8 = 75;
 /// Where results go if nothing is said.
 const OUT: &str = "enfilade-jobs";
 
@@ -35,17 +35,7 @@ pub(super) fn jobs(args: &JobsArgs) -> Result<u8, Error> {
             lines.push('\n');
         }
     }
-    match args.output.as_deref().filter(|o| *o != Path::new("-")) {
-        None => print(&lines),
-        Some(to) => {
-            super::write(to, lines.as_bytes())?;
-            if !args.common.quiet {
-                let count = lines.lines().count();
-                let jobs = if count == 1 { "job" } else { "jobs" };
-                say(&format!("{}: {count} {jobs}", to.display()));
-            }
-        }
-    }
+    hand_lines(args.output.as_deref(), &lines, (!args.common.quiet).then_some("job"))?;
     Ok(0)
 }
 
@@ -78,24 +68,6 @@ fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> R
     storeys.iter().flat_map(|storey| seeds.iter().map(move |seed| of(storey, *seed))).collect()
 }
 
-/// Files of other endings are listed only if they are drawings: a list of jobs is none.
-fn is_drawing(file: &Path, shown: &str, bytes: &[u8]) -> Result<(), Error> {
-    let ending = file.extension().unwrap_or_default();
-    if enfilade_cad::ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
-        return Ok(());
-    }
-    let read =
-        enfilade_cad::read(shown, bytes, &enfilade_cad::ReadOptions::default(), &mut Report::default());
-    read.map(drop).map_err(|_| {
-        let text = format!(
-            "is no drawing, found the ending {:?}, expected one of {}; nothing was done",
-            ending.to_string_lossy(),
-            enfilade_cad::ENDINGS.join(", ")
-        );
-        Error::input("no-drawing", Place::file(shown), text)
-    })
-}
-
 /// The storeys that a job of these settings would find.
 fn storeys_of(
     shown: &str,
@@ -121,9 +93,7 @@ fn named_storeys(shown: &str, there: &[StoreyInfo], list: &str) -> Result<Vec<St
 
 pub(super) fn run_job(args: &RunJobArgs, cancel: &Cancel) -> Result<u8, Error> {
     match done(args, cancel) {
-        Ok(finished) => {
-            let line = serde_json::to_string(&finished)
-                .map_err(|e| Error::environment("json", Place::default(), e.to_string()))?;
+        Ok(line) => {
             say(&line);
             // A batch system takes any other code for a failure; what was left out stands in the line and the report.
             Ok(0)
@@ -139,7 +109,8 @@ pub(super) fn run_job(args: &RunJobArgs, cancel: &Cancel) -> Result<u8, Error> {
     }
 }
 
-fn done(args: &RunJobArgs, cancel: &Cancel) -> Result<Finished, Error> {
+/// Does a job; what it says of itself, as a line.
+fn done(args: &RunJobArgs, cancel: &Cancel) -> Result<String, Error> {
     let mut job = Job::from_json(&text_of(&args.job)?)?;
     if let Some(out) = &args.out {
         job.out = super::absolute(out);
@@ -147,6 +118,18 @@ fn done(args: &RunJobArgs, cancel: &Cancel) -> Result<Finished, Error> {
     let partial = Partial { threads: args.threads, ..job.settings.clone() };
     let beside = job.beside(|| super::beside::beside(&job.drawing))?;
     let settings = Settings { beside, ..Settings::new(partial)? };
+    match &job.part {
+        Some(part) => line_of(&parting::done(&job, part, &settings, cancel)?),
+        None => line_of(&round_done(args, &job, &settings, cancel)?),
+    }
+}
+
+fn line_of<T: serde::Serialize>(finished: &T) -> Result<String, Error> {
+    serde_json::to_string(finished).map_err(|e| Error::environment("json", Place::default(), e.to_string()))
+}
+
+/// A round of a job.
+fn round_done(args: &RunJobArgs, job: &Job, settings: &Settings, cancel: &Cancel) -> Result<Finished, Error> {
     let home = job.home()?;
     if let Some(finished) = job.finished(&home) {
         return Ok(finished);
@@ -175,7 +158,7 @@ fn done(args: &RunJobArgs, cancel: &Cancel) -> Result<Finished, Error> {
         JobEvent::Analysis(_) | JobEvent::SoFar { .. } | JobEvent::Worked(_) => {}
     };
     // Only the name is shown: paths differ from machine to machine.
-    let outcome = super::round(&job.name(), &request, &settings, &mut tell, cancel);
+    let outcome = super::round(&job.name(), &request, settings, &mut tell, cancel);
     display.finish();
     let outcome = outcome?;
     cancel.check()?;

@@ -19,13 +19,18 @@ const SETTINGS_BYTES_MAX: u64 = 16 << 20;
 pub fn settings_for(drawing: &Path, command_line: Partial) -> Result<(Settings, Option<PathBuf>), Error> {
     let partial = settings_partial(drawing, command_line)?;
     let out = partial.out.clone().map(PathBuf::from);
+    Ok((Settings { beside: beside(drawing), unread: unread(drawing), ..Settings::new(partial)? }, out))
+}
+
+/// Names beside a drawing that are nearly those of its settings, each with the right one.
+pub(super) fn unread(drawing: &Path) -> Vec<(String, String)> {
     // Where names differ by case alone and the file system does not mind, it was read.
     let was_read = |(found, right): &(String, String)| {
         found.eq_ignore_ascii_case(right) && drawing.with_file_name(right).is_file()
     };
     let mut unread = unread_side_cars(drawing, &files_beside(drawing));
     unread.retain(|u| !was_read(u));
-    Ok((Settings { beside: beside(drawing), unread, ..Settings::new(partial)? }, out))
+    unread
 }
 
 /// Names of the files in a drawing's folder.

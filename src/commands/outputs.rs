@@ -111,6 +111,8 @@ fn inputs_of(command: &Command) -> Vec<&Path> {
         Command::Run(a) => vec![&a.file],
         Command::Accept(a) => vec![&a.file],
         Command::Jobs(a) => a.files.iter().map(PathBuf::as_path).collect(),
+        Command::Parts(a) => vec![&a.file],
+        Command::Merge(a) => vec![&a.list],
         Command::Watch(_)
         | Command::JobChild { .. }
         | Command::RunJob(_)
@@ -150,6 +152,17 @@ fn outputs_of(command: &Command) -> Vec<Output<'_>> {
         Command::Jobs(a) => {
             push(&mut out, "--output", a.output.as_deref(), false);
             push_common(&mut out, &a.common);
+        }
+        Command::Parts(a) => {
+            push(&mut out, "--output", a.output.as_deref(), false);
+            push_common(&mut out, &a.common);
+        }
+        Command::Merge(a) => {
+            push(&mut out, "--missing", a.missing.as_deref(), false);
+            push(&mut out, "--cells", a.cells.as_deref(), false);
+            push(&mut out, "--edges", a.edges.as_deref(), false);
+            push(&mut out, "--json", a.json.as_deref(), false);
+            push(&mut out, "--out", a.out.as_deref(), true);
         }
         Command::Watch(a) => {
             push(&mut out, "--log", a.log.as_deref(), false);
@@ -281,6 +294,9 @@ mod tests {
             ("jobs @/plan.dxf -o @/notenfilade.toml", ""),
             ("run @/plan.dxf --out @/results.dxf", ""),
             ("jobs @/plan.dxf -o -", ""),
+            ("parts @/plan.dxf --parts 2 -o @/plan.dxf", "itself"),
+            ("merge @/notes.txt --missing @/notes.txt", "itself"),
+            ("merge @/notes.txt --cells @/plan.dxf", "name of a drawing"),
             ("watch @ --log @/watch.log", ""),
             ("man", ""),
         ];

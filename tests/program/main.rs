@@ -14,6 +14,7 @@ mod jobs;
 mod limits;
 mod page;
 mod parsers;
+mod parts;
 mod real_drawings;
 mod resume;
 mod rounds;

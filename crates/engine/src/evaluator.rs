@@ -5,11 +5,12 @@ use std::sync::{Arc, OnceLock};
 use crate::geometry::Segment;
 
 use super::dense::{Broad, Dense, DenseScratch};
-use super::forest::{Initial, tally_of};
+use super::forest::{Initial, tally_from, tally_of};
 use super::gpu::Gpu;
 use super::gpu::forest::CardForest;
 use super::graph::Graph;
 use super::sampled::Sample;
+use super::shares::Trees;
 use super::visibility::{Vista, visibility_graph, visibility_graph_serial};
 use super::{Lattice, Obstacles, Tally};
 
@@ -113,7 +114,7 @@ impl Evaluator {
         }
         let mut new = Self::prepared(lattice, fixed, initial_moving);
         let graph = new.look(initial_moving);
-        new.initial = new.walked(gpu, &graph)?;
+        new.initial = new.walked_on_card(gpu, &graph)?;
         Ok(new)
     }
 
@@ -159,6 +160,28 @@ impl Evaluator {
         new
     }
 
+    /// An evaluator for a look at the initial layout alone, whose trees were walked before: of every vertex in the region of
+    /// query.
+    pub fn walked(
+        lattice: Arc<Lattice>,
+        fixed: &[Segment],
+        initial_moving: &Obstacles,
+        trees: &Trees,
+    ) -> Self {
+        let mut new = Self { initial_moving: initial_moving.clone(), ..Self::bare(lattice, fixed) };
+        let graph = visibility_graph(&new.lattice, &new.whole(initial_moving));
+        new.initial_components = graph.components();
+        new.initial_edges = graph.edge_count();
+        new.initial = tally_from(&new.lattice, &graph, trees, new.against(initial_moving));
+        new
+    }
+
+    /// An evaluator that has measured nothing, to ask who sees whom: see [`with_present`](Self::with_present).
+    pub fn unmeasured(lattice: Arc<Lattice>, fixed: &[Segment], initial_moving: &Obstacles) -> Self {
+        let tally = Tally { depth: vec![0; lattice.query.len()], ..Tally::default() };
+        Self { initial: tally, initial_moving: initial_moving.clone(), ..Self::bare(lattice, fixed) }
+    }
+
     fn bare(lattice: Arc<Lattice>, fixed: &[Segment]) -> Self {
         Self {
             lattice,
@@ -198,7 +221,7 @@ impl Evaluator {
     }
 
     /// All trees, by a graphics card that agrees with the cores on some.
-    fn walked(&self, gpu: &Arc<Gpu>, graph: &Graph) -> Result<Tally, String> {
+    fn walked_on_card(&self, gpu: &Arc<Gpu>, graph: &Graph) -> Result<Tally, String> {
         let card = CardForest::new(Arc::clone(gpu), Arc::clone(&self.lattice), graph, None, 1)?;
         let tally = card.tallies(&[Obstacles::default()])?.pop().unwrap_or_default();
         let roots = self.lattice.query.len();
@@ -240,9 +263,12 @@ impl Evaluator {
     }
 
     fn tally(&self, graph: &Graph, moving: &Obstacles) -> Tally {
-        let initial = Initial { components: &self.initial_components, covered: &moving.blind };
         let places = self.sample.as_ref().map(|s| s.places.as_slice());
-        tally_of(&self.lattice, graph, places, Some(initial))
+        tally_of(&self.lattice, graph, places, Some(self.against(moving)))
+    }
+
+    fn against<'a>(&'a self, moving: &'a Obstacles) -> Initial<'a> {
+        Initial { components: &self.initial_components, covered: &moving.blind }
     }
 
     /// Edges of the initial layout's visibility graph, each pair once.

@@ -9,6 +9,7 @@ use super::graph::Graph;
 use super::lanes::LANES;
 use super::lanes::Path;
 use super::relays::Relays;
+use super::shares::{Share, Trees};
 use super::stars;
 use super::wave::Wave;
 use super::{Lattice, Tally};
@@ -16,8 +17,18 @@ use super::{Lattice, Tally};
 /// Vertices on level 1, 2, … of the breadth-first tree of each root (distinct), up to `max_level`: by stars where
 /// they are faster, otherwise by waves.
 pub(super) fn level_counts(graph: &Graph, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
-    let by_stars = if max_level == u32::MAX { stars::level_counts(graph, roots) } else { None };
-    by_stars.unwrap_or_else(|| by_waves(Path::best(), graph, roots, max_level))
+    in_order(level_counts_of(graph, roots, max_level, Share::WHOLE))
+}
+
+/// [`level_counts`] of the roots of a share, by their places among `roots`: the shares are of what is walked together.
+fn level_counts_of(graph: &Graph, roots: &[u32], max_level: u32, share: Share) -> Vec<(u32, Vec<u32>)> {
+    let by_stars = if max_level == u32::MAX { stars::level_counts(graph, roots, share) } else { None };
+    by_stars.unwrap_or_else(|| by_waves(Path::best(), graph, roots, max_level, share))
+}
+
+fn in_order(mut trees: Vec<(u32, Vec<u32>)>) -> Vec<Vec<u32>> {
+    trees.sort_unstable_by_key(|tree| tree.0);
+    trees.into_iter().map(|tree| tree.1).collect()
 }
 
 /// [`level_counts`] over the stairs of a lattice too.
@@ -27,20 +38,39 @@ pub(super) fn level_counts_beyond(
     roots: &[u32],
     max_level: u32,
 ) -> Vec<Vec<u32>> {
-    let mut trees = level_counts(graph, roots, max_level);
+    in_order(level_counts_beyond_of(lattice, graph, roots, max_level, Share::WHOLE))
+}
+
+/// [`level_counts_beyond`] of the roots of a share, by their places among `roots`.
+pub(super) fn level_counts_beyond_of(
+    lattice: &Lattice,
+    graph: &Graph,
+    roots: &[u32],
+    max_level: u32,
+    share: Share,
+) -> Vec<(u32, Vec<u32>)> {
+    let mut trees = level_counts_of(graph, roots, max_level, share);
     if let Some(beyond) = &lattice.beyond {
-        beyond.add_to(&beyond.steps(graph), roots.iter().copied().zip(&mut trees), max_level);
+        let own = trees.iter_mut().map(|(place, levels)| (roots[*place as usize], levels));
+        beyond.add_to(&beyond.steps(graph), own, max_level);
     }
     trees
 }
 
-/// [`level_counts`] by waves.
-pub(super) fn by_waves(path: Path, graph: &Graph, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
+/// [`level_counts_of`] by waves: shares are of whole waves.
+pub(super) fn by_waves(
+    path: Path,
+    graph: &Graph,
+    roots: &[u32],
+    max_level: u32,
+    share: Share,
+) -> Vec<(u32, Vec<u32>)> {
     let relays = Relays::new(graph);
     let order = walking_order(graph, roots);
+    let batches: Vec<&[(u32, u32)]> = order.chunks(LANES).collect();
     // One wave a thread, whatever way the batches are handed out.
     let idle = Mutex::new(Vec::new());
-    let walk = |batch: &[(u32, u32)]| {
+    let walk = |batch: &&[(u32, u32)]| {
         let taken = idle.lock().ok().and_then(|mut waves| waves.pop());
         let mut wave = taken.unwrap_or_else(|| Wave::new(&relays, path));
         let ranks: Vec<u32> = batch.iter().map(|b| b.0).collect();
@@ -48,19 +78,15 @@ pub(super) fn by_waves(path: Path, graph: &Graph, roots: &[u32], max_level: u32)
         if let Ok(mut waves) = idle.lock() {
             waves.push(wave);
         }
-        levels
+        batch.iter().map(|b| b.1).zip(levels).collect()
     };
-    let walked: Vec<Vec<Vec<u32>>> = order.par_chunks(LANES).map(walk).collect();
-    let mut levels = vec![Vec::new(); roots.len()];
-    for ((_, i), counts) in order.into_iter().zip(walked.into_iter().flatten()) {
-        levels[i as usize] = counts;
-    }
-    levels
+    let walked: Vec<Vec<(u32, Vec<u32>)>> = share.of(&batches).par_iter().map(walk).collect();
+    walked.into_iter().flatten().collect()
 }
 
 /// Vertices on level 1, 2, … of the tree of each root, by waves whatever the plan: to compare with.
 pub fn levels_by_waves(graph: &Graph, roots: &[u32]) -> Vec<Vec<u32>> {
-    by_waves(Path::best(), graph, roots, u32::MAX)
+    in_order(by_waves(Path::best(), graph, roots, u32::MAX, Share::WHOLE))
 }
 
 /// How many of the roots reach each rank on level 1, 2, …, level by level.
@@ -142,14 +168,7 @@ pub fn tally_of(
     places: Option<&[u32]>,
     initial: Option<Initial<'_>>,
 ) -> Tally {
-    let reference = graph.tile_masks(|v| lattice.is_reference[v as usize]);
-    let mut tally = Tally::default();
-    for &v in &lattice.query {
-        let (tiles, masks) = graph.row(graph.tiles.rank_of[v as usize] as usize);
-        let seen = tiles.iter().zip(masks).map(|(&t, m)| (m & reference[t as usize]).count_ones()).sum();
-        tally.degree.push(seen);
-        tally.degree_all.push(graph.degree(v));
-    }
+    let mut tally = degrees(lattice, graph);
     match places {
         None => {
             for levels in level_counts_beyond(lattice, graph, &lattice.query, u32::MAX) {
@@ -166,10 +185,36 @@ pub fn tally_of(
             }
         }
     }
-    if let Some(initial) = initial {
-        tally.disconnected = disconnected(&lattice.query, &initial, &graph.components());
+    cut_off(tally, lattice, graph, initial)
+}
+
+/// [`tally`] with trees that were walked before.
+pub(super) fn tally_from(lattice: &Lattice, graph: &Graph, trees: &Trees, initial: Initial<'_>) -> Tally {
+    let mut tally = degrees(lattice, graph);
+    for v in &lattice.query {
+        let levels = trees.levels(*v).unwrap_or_default();
+        tally.depth.push(levels.len() as u32);
+        tally.levels.extend(levels);
+    }
+    cut_off(tally, lattice, graph, Some(initial))
+}
+
+/// Who is seen by each vertex of the region of query, and no tree.
+fn degrees(lattice: &Lattice, graph: &Graph) -> Tally {
+    let reference = graph.tile_masks(|v| lattice.is_reference[v as usize]);
+    let mut tally = Tally::default();
+    for &v in &lattice.query {
+        let (tiles, masks) = graph.row(graph.tiles.rank_of[v as usize] as usize);
+        let seen = tiles.iter().zip(masks).map(|(&t, m)| (m & reference[t as usize]).count_ones()).sum();
+        tally.degree.push(seen);
+        tally.degree_all.push(graph.degree(v));
     }
     tally
+}
+
+fn cut_off(tally: Tally, lattice: &Lattice, graph: &Graph, initial: Option<Initial<'_>>) -> Tally {
+    let lost = initial.map(|initial| disconnected(&lattice.query, &initial, &graph.components()));
+    Tally { disconnected: lost.unwrap_or(0), ..tally }
 }
 
 /// What cut-off vertices are counted against.
@@ -241,7 +286,8 @@ mod tests {
             let all: Vec<u32> = (0..graph.len() as u32).collect();
             let expected: Vec<_> = all.iter().map(|&v| by_queue(&graph, v)).collect();
             for path in Path::available() {
-                prop_assert_eq!(&by_waves(path, &graph, &all, u32::MAX), &expected);
+                let halves = Share::all(2).flat_map(|half| by_waves(path, &graph, &all, u32::MAX, half));
+                prop_assert_eq!(&in_order(halves.collect()), &expected);
             }
             let some: Vec<u32> = all.iter().copied().filter(|v| v % 3 == 1).rev().collect();
             let near = level_counts(&graph, &some, cut);

@@ -46,6 +46,12 @@ type Point = [f64; 2];
 /// Area, perimeter (metres), compactness, occlusivity, radials and drift of every vertex's isovist;
 /// [`UNDEFINED`] for vertices that see nothing because an obstacle covers them.
 pub fn isovist_columns(lattice: &Lattice, obstacles: &Obstacles) -> Vec<Column> {
+    let all: Vec<u32> = (0..lattice.cells.len() as u32).collect();
+    isovist_columns_from(&isovists(lattice, obstacles, &all))
+}
+
+/// [`isovist_columns`] from the rows of all vertices.
+pub fn isovist_columns_from(rows: &[[f64; 8]]) -> Vec<Column> {
     let names = [
         column_of(Measure::IsovistArea),
         column_of(Measure::IsovistCompactness),
@@ -56,8 +62,7 @@ pub fn isovist_columns(lattice: &Lattice, obstacles: &Obstacles) -> Vec<Column> 
         column_of(Measure::IsovistOcclusivity),
         column_of(Measure::IsovistPerimeter),
     ];
-    let all: Vec<u32> = (0..lattice.cells.len() as u32).collect();
-    transpose(names.map(String::from), &isovists(lattice, obstacles, &all))
+    transpose(names.map(String::from), rows)
 }
 
 /// Area (m²), perimeter (m), compactness, occlusivity, drift, longest and shortest radial (m) of the
@@ -69,7 +74,7 @@ pub fn query_isovists(lattice: &Lattice, obstacles: &Obstacles) -> Vec<[f64; 7]>
 }
 
 /// The values of [`isovist_columns`] for some vertices.
-fn isovists(lattice: &Lattice, obstacles: &Obstacles, vertices: &[u32]) -> Vec<[f64; 8]> {
+pub fn isovists(lattice: &Lattice, obstacles: &Obstacles, vertices: &[u32]) -> Vec<[f64; 8]> {
     let sees = seeing_cells(lattice, obstacles);
     let origin = lattice.cells.first().map_or([0, 0], |_| lattice.centre_um(0));
     let local = |p: [i64; 2]| [0, 1].map(|k| (p[k] - origin[k]) as f64);

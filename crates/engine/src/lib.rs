@@ -58,7 +58,7 @@ mod lanes;
 pub mod measures;
 mod offsets;
 mod order;
-mod path_columns;
+pub mod path_columns;
 #[cfg(test)]
 mod path_columns_tests;
 pub mod paths;
@@ -67,6 +67,7 @@ mod refusal;
 mod region;
 mod relays;
 pub mod sampled;
+pub mod shares;
 mod shortest;
 pub mod stairs;
 mod stars;
@@ -75,6 +76,7 @@ mod strips;
 pub mod through;
 mod tiles;
 pub mod visibility;
+pub mod walked;
 mod wave;
 
 /// The cells of a study: a square lattice, the vertices `V = V_q ∪ V_r` on it, and both regions.
@@ -121,6 +123,19 @@ pub struct Tally {
     pub levels: Vec<u32>,
     /// Σ over query vertices of the vertices reached in the initial layout and not now.
     pub disconnected: u64,
+}
+
+impl Tally {
+    /// The trees by vertex of the lattice, none of those outside the region of query.
+    pub fn trees(&self, lattice: &Lattice) -> Vec<Option<&[u32]>> {
+        let mut trees = vec![None; lattice.cells.len()];
+        let mut at = 0;
+        for (v, depth) in lattice.query.iter().zip(&self.depth) {
+            trees[*v as usize] = self.levels.get(at..at + *depth as usize);
+            at += *depth as usize;
+        }
+        trees
+    }
 }
 
 /// Sight-blocking input of one layout.

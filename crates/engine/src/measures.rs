@@ -244,28 +244,35 @@ pub const GLOBAL_NAMES: [&str; 7] = [
 
 /// Measures of the breadth-first trees; with a radius only levels up to it count.
 pub fn global_columns(lattice: &Lattice, graph: &Graph, radius: Option<u32>) -> Vec<Column> {
-    let all: Vec<u32> = (0..graph.len() as u32).collect();
-    let levels = level_counts_beyond(lattice, graph, &all, radius.unwrap_or(u32::MAX));
-    let rows: Vec<[f64; 7]> = levels.iter().map(|l| global_row(l)).collect();
-    let suffix = radius.map(|r| format!(" R{r}")).unwrap_or_default();
-    transpose(GLOBAL_NAMES.map(|n| format!("{n}{suffix}")), &rows)
+    global_columns_beside(lattice, graph, |_| None, radius)
 }
 
-/// [`global_columns`] without a radius, where the trees of the query vertices are known.
-pub fn global_columns_beside(lattice: &Lattice, graph: &Graph, tally: &Tally) -> Vec<Column> {
+/// [`global_columns`] where some trees are `known` in full, by vertex.
+pub fn global_columns_beside<'a>(
+    lattice: &Lattice,
+    graph: &Graph,
+    known: impl Fn(u32) -> Option<&'a [u32]>,
+    radius: Option<u32>,
+) -> Vec<Column> {
+    let most = radius.unwrap_or(u32::MAX);
+    let near = |levels: &'a [u32]| &levels[..levels.len().min(most as usize)];
     let mut rows = vec![[UNDEFINED; 7]; graph.len()];
-    let mut is_known = vec![false; graph.len()];
-    let mut at = 0;
-    for (&v, &depth) in lattice.query.iter().zip(&tally.depth) {
-        rows[v as usize] = global_row(&tally.levels[at..at + depth as usize]);
-        is_known[v as usize] = true;
-        at += depth as usize;
+    let mut rest = Vec::new();
+    for (v, row) in rows.iter_mut().enumerate() {
+        match known(v as u32) {
+            Some(levels) => *row = global_row(near(levels)),
+            None => rest.push(v as u32),
+        }
     }
-    let rest: Vec<u32> = (0..graph.len() as u32).filter(|&v| !is_known[v as usize]).collect();
-    for (&v, levels) in rest.iter().zip(level_counts_beyond(lattice, graph, &rest, u32::MAX)) {
+    for (&v, levels) in rest.iter().zip(level_counts_beyond(lattice, graph, &rest, most)) {
         rows[v as usize] = global_row(&levels);
     }
-    transpose(GLOBAL_NAMES.map(String::from), &rows)
+    named_rows(&rows, radius)
+}
+
+fn named_rows(rows: &[[f64; 7]], radius: Option<u32>) -> Vec<Column> {
+    let suffix = radius.map(|r| format!(" R{r}")).unwrap_or_default();
+    transpose(GLOBAL_NAMES.map(|n| format!("{n}{suffix}")), rows)
 }
 
 /// Mean level of the vertices reached, from the vertices per level 1..; 0 if there are none.

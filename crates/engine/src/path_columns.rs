@@ -22,17 +22,16 @@ impl Paths<'_> {
     /// `Metric Mean Shortest-Path Turn`, `… Distance`, `Metric Mean Straight-Line Distance` (metres),
     /// `Metric Node Count`; means include the vertex itself. Paths longer than `radius_m` do not count.
     pub fn metric_columns(&self, radius_m: Option<f64>) -> Vec<Column> {
-        let names = [
-            column_of(Measure::MetricAngle),
-            column_of(Measure::MetricDistance),
-            column_of(Measure::MetricStraight),
-            METRIC_NODE_COUNT,
-        ];
+        metric_columns_from(&self.metric_rows(&self.all(), radius_m), radius_m)
+    }
+
+    /// The values of [`metric_columns`](Self::metric_columns) for some vertices.
+    pub fn metric_rows(&self, vertices: &[u32], radius_m: Option<f64>) -> Vec<[f64; 4]> {
         let limit = self.radius(radius_m);
         let corners = Corners::shortest(self);
         let in_metres = |cells: f64| (cells * self.spacing_m()) as f32;
-        let row = |(walk, order): &mut (Shortest, Order), v: usize| {
-            let root = self.slot_of_vertex[v];
+        let row = |(walk, order): &mut (Shortest, Order), v: u32| {
+            let root = self.slot_of_vertex[v as usize];
             walk.walk(self, corners.as_ref(), &[root], limit);
             let reached = order.by_cost(self, walk.reached(), &walk.cost, limit);
             let mut sums = [0f32; 3];
@@ -46,22 +45,26 @@ impl Paths<'_> {
             let [angle, length, straight] = sums.map(|sum| f64::from(sum) / n);
             [angle, length, straight, n]
         };
-        self.all(names, radius_m, || (Shortest::new(self), Order::default()), row)
+        self.rows(vertices, || (Shortest::new(self), Order::default()), row)
     }
 
     /// `Angular Mean Depth`, `Angular Node Count`, `Angular Total Depth`. Paths of more than `radius`
     /// right angles do not count.
     pub fn angular_columns(&self, radius: Option<f64>) -> Vec<Column> {
-        let names = [column_of(Measure::AngularDepth), ANGULAR_NODE_COUNT, column_of(Measure::AngularTotal)];
+        angular_columns_from(&self.angular_rows(&self.all(), radius), radius)
+    }
+
+    /// The values of [`angular_columns`](Self::angular_columns) for some vertices.
+    pub fn angular_rows(&self, vertices: &[u32], radius: Option<f64>) -> Vec<[f64; 3]> {
         let limit = radius.unwrap_or(f64::INFINITY);
         let corners = Corners::straightest(self, STRAIGHTEST_MAX);
-        let row = |walk: &mut Straightest, v: usize| {
-            walk.walk(self, corners.as_ref(), &[self.slot_of_vertex[v]], limit);
+        let row = |walk: &mut Straightest, v: u32| {
+            walk.walk(self, corners.as_ref(), &[self.slot_of_vertex[v as usize]], limit);
             let total = f64::from(walk.reached.iter().sum::<f32>());
             let n = walk.reached.len() as f64;
             [total / n, n, total]
         };
-        self.all(names, radius, || Straightest::new(self), row)
+        self.rows(vertices, || Straightest::new(self), row)
     }
 
     /// Visual, metric (metres) and angular depth of every vertex from the nearest of some vertices;
@@ -91,26 +94,52 @@ impl Paths<'_> {
         columns
     }
 
-    fn all<W, const K: usize>(
+    /// What is walked from some vertices, in their order.
+    fn rows<W, const K: usize>(
         &self,
-        names: [&str; K],
-        radius: Option<f64>,
+        vertices: &[u32],
         walk: impl Fn() -> W + Sync + Send,
-        row: impl Fn(&mut W, usize) -> [f64; K] + Sync + Send,
-    ) -> Vec<Column> {
+        row: impl Fn(&mut W, u32) -> [f64; K] + Sync + Send,
+    ) -> Vec<[f64; K]> {
         // Neighbours in a tile follow one another: their walks go through the same lists, which stay in the cache.
-        let vertex_of = &self.graph.tiles.vertex_of;
-        let of_rank = |walk: &mut W, &v: &u32| row(walk, v as usize);
-        let by_rank: Vec<[f64; K]> = vertex_of.par_iter().map_init(walk, of_rank).collect();
-        let rows: Vec<[f64; K]> =
-            self.graph.tiles.rank_of.iter().map(|&rank| by_rank[rank as usize]).collect();
-        let suffix = radius.map(|r| format!(" R{r}")).unwrap_or_default();
-        transpose(names.map(|name| format!("{name}{suffix}")), &rows)
+        let mut order: Vec<usize> = (0..vertices.len()).collect();
+        order.sort_unstable_by_key(|&i| self.graph.tiles.rank_of[vertices[i] as usize]);
+        let of = |walk: &mut W, &i: &usize| row(walk, vertices[i]);
+        let by_rank: Vec<[f64; K]> = order.par_iter().map_init(walk, of).collect();
+        let mut out = vec![[0.0; K]; vertices.len()];
+        order.into_iter().zip(by_rank).for_each(|(i, row)| out[i] = row);
+        out
+    }
+
+    fn all(&self) -> Vec<u32> {
+        (0..self.graph.len() as u32).collect()
     }
 
     fn radius(&self, radius_m: Option<f64>) -> f64 {
         radius_m.map_or(f64::INFINITY, |r| r / self.spacing_m())
     }
+}
+
+/// [`Paths::metric_columns`] from the rows of all vertices.
+pub fn metric_columns_from(rows: &[[f64; 4]], radius_m: Option<f64>) -> Vec<Column> {
+    let names = [
+        column_of(Measure::MetricAngle),
+        column_of(Measure::MetricDistance),
+        column_of(Measure::MetricStraight),
+        METRIC_NODE_COUNT,
+    ];
+    named_rows(names, rows, radius_m)
+}
+
+/// [`Paths::angular_columns`] from the rows of all vertices.
+pub fn angular_columns_from(rows: &[[f64; 3]], radius: Option<f64>) -> Vec<Column> {
+    let names = [column_of(Measure::AngularDepth), ANGULAR_NODE_COUNT, column_of(Measure::AngularTotal)];
+    named_rows(names, rows, radius)
+}
+
+fn named_rows<const K: usize>(names: [&str; K], rows: &[[f64; K]], radius: Option<f64>) -> Vec<Column> {
+    let suffix = radius.map(|r| format!(" R{r}")).unwrap_or_default();
+    transpose(names.map(|name| format!("{name}{suffix}")), rows)
 }
 
 #[cfg(test)]

@@ -29,6 +29,7 @@ use self::sight::Sight;
 use self::walk::Walk;
 use super::graph::Graph;
 use super::lanes::Path;
+use super::shares::Share;
 
 /// Lanes that a star must have on average: with fewer, as where most cells see nobody, stars would be too many.
 const LANES_MIN: usize = 8;
@@ -62,13 +63,14 @@ struct Way {
     lanes_min: usize,
 }
 
-/// Vertices on level 1, 2, … of each root (distinct), or nothing where waves are faster.
+/// Vertices on level 1, 2, … of the roots (distinct) of a share, by their places among all roots; nothing where waves are
+/// faster. A share is of stars, in an order in which most follow the one that gives their leader's levels.
 ///
 /// The same on any number of threads. Memory: the graph once more, if its mean degree is below 2,000; 512 bytes for
 /// each pair of tiles that see each other in part; for every star that waits for a thread 16 bytes a tile and 8 for
 /// each level of it (100,000 vertices of degree 70: at most 40 wait, of 70 kB each); and for every thread as much
 /// as ten of these.
-pub(super) fn level_counts(graph: &Graph, roots: &[u32]) -> Option<Vec<Vec<u32>>> {
+pub(super) fn level_counts(graph: &Graph, roots: &[u32], share: Share) -> Option<Vec<(u32, Vec<u32>)>> {
     if graph.len() < VERTICES_MIN || roots.len() < ROOTS_MIN {
         return None;
     }
@@ -78,10 +80,11 @@ pub(super) fn level_counts(graph: &Graph, roots: &[u32]) -> Option<Vec<Vec<u32>>
         Way { path: Path::best(), lanes, by_halls: degree < PLAIN_DEGREE, lanes_min: LANES_MIN },
         graph,
         roots,
+        share,
     )
 }
 
-fn level_counts_by(way: Way, graph: &Graph, roots: &[u32]) -> Option<Vec<Vec<u32>>> {
+fn level_counts_by(way: Way, graph: &Graph, roots: &[u32], share: Share) -> Option<Vec<(u32, Vec<u32>)>> {
     let halls = way.by_halls.then(|| halls::by_halls(graph));
     let graph = halls.as_ref().unwrap_or(graph);
     let plan = Plan::new(graph, roots, way.lanes, roots.len() / way.lanes_min + 1)?;
@@ -92,10 +95,20 @@ fn level_counts_by(way: Way, graph: &Graph, roots: &[u32]) -> Option<Vec<Vec<u32
     if !plan.seeds.iter().all(is_shallow) {
         return None;
     }
-    let sky = Sky { path: way.path, graph, sight: Sight::new(graph), plan };
+    let own = plan.share(share);
+    let sky = Sky { path: way.path, graph, sight: Sight::new(graph), plan, own };
     let mut by_rank = if way.lanes == WORD { sky.by_rank::<1>() } else { sky.by_rank::<8>() };
-    let rank_of = |&v: &u32| graph.tiles.rank_of[v as usize] as usize;
-    Some(roots.iter().map(|v| std::mem::take(&mut by_rank[rank_of(v)])).collect())
+    let place_of = |(&v, place): (&u32, u32)| {
+        let rank = graph.tiles.rank_of[v as usize];
+        // Who sees nobody has no star.
+        let is_own = if graph.degree[rank as usize] == 0 {
+            share.is_first()
+        } else {
+            sky.own[sky.plan.star_of[rank as usize] as usize]
+        };
+        is_own.then(|| (place, std::mem::take(&mut by_rank[rank as usize])))
+    };
+    Some(roots.iter().zip(0..).filter_map(place_of).collect())
 }
 
 /// What all stars share.
@@ -104,6 +117,8 @@ struct Sky<'a> {
     graph: &'a Graph,
     sight: Sight,
     plan: Plan,
+    /// Whether each star is walked.
+    own: Vec<bool>,
 }
 
 /// Walks that no thread uses, and levels by rank.
@@ -117,16 +132,25 @@ impl Sky<'_> {
         let levels = Mutex::new(vec![Vec::new(); self.graph.len()]);
         let work = &Work::<W> { idle: Mutex::default(), levels };
         rayon::scope(|scope| {
-            for &seed in &self.plan.seeds {
+            for first in self.firsts() {
                 scope.spawn(move |scope| {
-                    let leader = self.plan.stars[seed as usize].leader;
+                    let leader = self.plan.stars[first as usize].leader;
                     if let Some(levels) = Levels::from(self.graph, leader, u32::MAX) {
-                        self.walk(scope, work, seed, levels);
+                        self.walk(scope, work, first, levels);
                     }
                 });
             }
         });
         work.levels.lock().map(|mut levels| std::mem::take(&mut *levels)).unwrap_or_default()
+    }
+
+    /// Stars that are walked and whose leader's levels no other gives that is.
+    fn firsts(&self) -> Vec<u32> {
+        let mut is_given = vec![false; self.own.len()];
+        let walked = self.plan.stars.iter().zip(&self.own).filter(|(_, is_own)| **is_own);
+        walked.flat_map(|(star, _)| &star.children).for_each(|child| is_given[*child as usize] = true);
+        let all = 0..self.own.len() as u32;
+        all.filter(|s| self.own[*s as usize] && !is_given[*s as usize]).collect()
     }
 
     /// Walks a star, and leaves its children to this thread or an idle one.
@@ -145,7 +169,7 @@ impl Sky<'_> {
         if let Ok(mut levels) = work.levels.lock() {
             star.lanes.iter().zip(counts).for_each(|(&rank, counts)| levels[rank as usize] = counts);
         }
-        for &child in &star.children {
+        for &child in star.children.iter().filter(|child| self.own[**child as usize]) {
             let leader = self.plan.stars[child as usize].leader;
             let Ok(lane) = star.lanes.binary_search(&leader) else { continue };
             let levels = walk.levels_of(lane);

@@ -12,11 +12,24 @@ use super::measures::Column;
 /// the nearest one, or both of two equally near ones. depthmapX's `Through vision` counts every pair both ways, no
 /// diagonal lines, and where two cells are equally near either or both, as its sums are rounded.
 pub fn through_vision_column(lattice: &Lattice, graph: &Graph) -> Column {
+    through_vision_column_from(&sight_lines(lattice, graph, &(0..graph.len() as u32).collect::<Vec<u32>>()))
+}
+
+/// [`through_vision_column`] from the counts of all vertices.
+pub fn through_vision_column_from(counts: &[u64]) -> Column {
+    Column {
+        name: column_of(Measure::ThroughVision).into(),
+        values: counts.iter().map(|c| *c as f64).collect(),
+    }
+}
+
+/// For every vertex the sight lines over it that begin at some vertices and end at later ones.
+pub fn sight_lines(lattice: &Lattice, graph: &Graph, from: &[u32]) -> Vec<u64> {
     let n = graph.len();
-    let one = |mut counts: Vec<u64>, v: usize| {
-        graph.for_each_neighbour(v as u32, |u| {
-            if u as usize > v {
-                let cells = [lattice.cells[v], lattice.cells[u as usize]];
+    let one = |mut counts: Vec<u64>, v: &u32| {
+        graph.for_each_neighbour(*v, |u| {
+            if u > *v {
+                let cells = [lattice.cells[*v as usize], lattice.cells[u as usize]];
                 for_each_between(cells, |cell| {
                     if let Some(w) = vertex_at(lattice, graph, cell) {
                         counts[w] += 1;
@@ -30,16 +43,9 @@ pub fn through_vision_column(lattice: &Lattice, graph: &Graph) -> Column {
         a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         a
     };
-    let share = n.div_ceil(rayon::current_num_threads()).max(1);
-    let starts: Vec<usize> = (0..n).step_by(share).collect();
-    let counts = starts
-        .into_par_iter()
-        .map(|start| (start..(start + share).min(n)).fold(vec![0; n], one))
-        .reduce(|| vec![0; n], add);
-    Column {
-        name: column_of(Measure::ThroughVision).into(),
-        values: counts.into_iter().map(|c| c as f64).collect(),
-    }
+    let share = from.len().div_ceil(rayon::current_num_threads()).max(1);
+    let counts = from.par_chunks(share).map(|own| own.iter().fold(vec![0; n], one));
+    counts.reduce(|| vec![0; n], add)
 }
 
 fn vertex_at(lattice: &Lattice, graph: &Graph, cell: [i32; 2]) -> Option<usize> {

@@ -1,6 +1,7 @@
 //! `analyse`: the present layout measured, of a building every storey.
 
 use crate::job::{Input, Job, Outcome};
+use crate::measure::known::{Forest, Known};
 use crate::measure::study::Study;
 use crate::measure::{cells, estimate};
 use crate::storey::{analyse_storey, measure_storey};
@@ -24,17 +25,29 @@ pub fn analyse(
 }
 
 /// How thoroughly the present layout is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Depth {
+#[derive(Clone, Copy, Debug)]
+pub struct Depth<'a> {
     /// Breadth-first trees of about so many roots, from which depth and entropy are estimated; none: from every cell.
     pub roots: Option<usize>,
     /// Whether other lattices tell how sure the means are; not where they are estimated.
     pub intervals: bool,
+    /// What was measured elsewhere in [parts](crate::parts), and is joined here.
+    pub known: Option<&'a Known>,
 }
 
-impl Default for Depth {
+impl Default for Depth<'_> {
     fn default() -> Self {
-        Self { roots: None, intervals: true }
+        Self { roots: None, intervals: true, known: None }
+    }
+}
+
+impl<'a> Depth<'a> {
+    fn forest(self) -> Forest<'a> {
+        match (self.known, self.roots) {
+            (Some(known), _) => Forest::Known(known),
+            (None, Some(roots)) => Forest::Roots(roots),
+            (None, None) => Forest::Every,
+        }
     }
 }
 
@@ -45,30 +58,31 @@ impl Default for Depth {
 pub fn analyse_with(
     input: &Input<'_>,
     settings: &Settings,
-    Depth { roots, intervals }: Depth,
+    depth: Depth<'_>,
     understood: &mut (dyn FnMut() + Send),
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
     let settings = &*read::query::for_its_storey(input, settings)?;
     let job = Job { input, settings };
-    let (mut outcome, study) = analyse_storey(job, (roots, None), understood, cancel)?;
-    if intervals && roots.is_none() {
+    let forest = depth.forest();
+    let (mut outcome, study) = analyse_storey(job, (forest, None), understood, cancel)?;
+    if depth.intervals && forest.roots().is_none() {
         outcome.result.estimate = estimate::present(&study, settings);
         tell_anew(&mut outcome)?;
     }
-    add_storeys(job, &study, &mut outcome, cancel)?;
+    add_storeys(job, (&study, forest), &mut outcome, cancel)?;
     Ok((outcome, study))
 }
 
 /// Measures the other storeys of a building; `true` where there are any.
 pub(crate) fn add_storeys(
     job: Job<'_>,
-    study: &Study,
+    (study, forest): (&Study, Forest<'_>),
     outcome: &mut Outcome<AnalysisResult>,
     cancel: &Cancel,
 ) -> Result<bool, Error> {
     let Outcome { result, files, report } = outcome;
-    result.storeys = storeys::analyse(job, study, files, report, cancel)?;
+    result.storeys = storeys::analyse(job, (study, forest), files, report, cancel)?;
     if outcome.result.storeys.is_empty() {
         return Ok(false);
     }
@@ -106,5 +120,6 @@ pub fn measure(
     cancel: &Cancel,
 ) -> Result<(Study, Report), Error> {
     let settings = &*read::query::for_its_storey(input, settings)?;
-    measure_storey(Job { input, settings }, (roots, None), understood, cancel)
+    let forest = Depth { roots, ..Depth::default() }.forest();
+    measure_storey(Job { input, settings }, (forest, None), understood, cancel)
 }

@@ -33,6 +33,7 @@ mod check;
 mod confirm;
 mod job;
 mod measure;
+pub mod parts;
 mod read;
 pub mod resolution;
 mod round;
@@ -52,6 +53,7 @@ use enfilade_overlay::PlanPicture;
 use enfilade_overlay::result::RoundResult;
 use enfilade_report::{Cancel, Error, Report};
 use job::{Job, Watch};
+use measure::known::Forest;
 use round::Round;
 use search::brief::{Brief, is_bare};
 use search::judged::objectives;
@@ -64,6 +66,7 @@ pub use analyse::{Depth, add_columns, analyse, analyse_with, measure};
 pub use check::{Extras, check, check_with};
 pub use job::{Event, Input, Keep, Outcome, Progress, on_threads};
 pub use measure::cells;
+pub use measure::known::Known;
 pub use measure::look::LatticeAt;
 pub use measure::seen::Use;
 pub use measure::study::Study;
@@ -95,9 +98,9 @@ pub fn run(
     let settings = &*read::query::for_its_storey(input, settings)?;
     let job = Job { input, settings };
     let mut understood = || watch.stage("measure", None);
-    let (mut analysis, study) = storey::analyse_storey(job, (None, None), &mut understood, cancel)?;
+    let (mut analysis, study) = storey::analyse_storey(job, (Forest::Every, None), &mut understood, cancel)?;
     (watch.show)(Event::Analysis(analysis.files.clone()));
-    if analyse::add_storeys(job, &study, &mut analysis, cancel)? {
+    if analyse::add_storeys(job, (&study, Forest::Every), &mut analysis, cancel)? {
         (watch.show)(Event::Analysis(analysis.files));
     }
     round(job, &study, analysis.report, started, &mut watch)

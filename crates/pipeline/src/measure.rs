@@ -7,6 +7,7 @@ pub(crate) mod card;
 pub mod cells;
 pub(crate) mod estimate;
 pub(crate) mod floors;
+pub(crate) mod known;
 pub(crate) mod lattices;
 pub(crate) mod limits;
 pub(crate) mod look;
@@ -21,6 +22,7 @@ pub(crate) mod written;
 
 use crate::job::{Input, Job};
 use crate::measure::floors::Floors;
+use crate::measure::known::Forest;
 use crate::measure::study::Study;
 use crate::understand::understood::Understood;
 use enfilade_engine::sampled::AREA_ROOTS;
@@ -51,24 +53,26 @@ fn state_cut_off(study: &Study, input: &Input<'_>, report: &mut Report) {
 }
 
 /// A study of what is understood, within its building where steps are counted over the stairs, on the graphics card where
-/// the settings ask for it; with trees of about `roots` roots alone, where that many are named.
+/// the settings ask for it; with the trees that are asked for.
 ///
 /// # Errors
 /// As [`Study::from_roots`].
 pub(crate) fn measure(
     job: Job<'_>,
     base: (Understood, Option<Floors>),
-    roots: Option<usize>,
+    forest: Forest<'_>,
     report: &mut Report,
 ) -> Result<Study, Error> {
     let Job { input, settings } = job;
-    let mut study = Study::from_roots(base, settings, roots, report)?;
-    match roots {
-        None => backend::choose(&mut study, settings.backend, input, report),
-        Some(asked) => {
+    let mut study = Study::from_roots(base, settings, forest, report)?;
+    match forest {
+        Forest::Nobody => return Ok(study),
+        Forest::Every => backend::choose(&mut study, settings.backend, input, report),
+        Forest::Roots(asked) => {
             backend::state_unused(settings.backend, input, report);
             state_estimated(&study, asked, input, report);
         }
+        Forest::Known(_) => {}
     }
     state_cut_off(&study, input, report);
     Ok(study)

@@ -9,6 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::job::{Event, Input, Job, Outcome, Progress};
+use crate::measure::known::Forest;
 use crate::measure::study::Study;
 use crate::measure::{estimate, spacing};
 use crate::read;
@@ -151,7 +152,7 @@ pub fn resolution(
         show(Event::Progress(progress));
         let one = Settings { spacing_m: Some(*spacing_m), ..settings.clone() };
         let within = (base.clone(), floors.clone());
-        match Study::from_roots(within, &one, None, &mut Report::default()) {
+        match Study::from_roots(within, &one, Forest::Every, &mut Report::default()) {
             Ok(study) => rows
                 .push(Row { estimate: estimate::at_spacing(&study, &one), ..row(&study, &samples, cancel)? }),
             Err(Error::Stopped) => return Err(Error::Stopped),

@@ -2,6 +2,7 @@
 
 use crate::job::{Job, Outcome};
 use crate::measure::floors::Floors;
+use crate::measure::known::Forest;
 use crate::measure::study::Study;
 use crate::read::{self, state_unread};
 use crate::storeys::together;
@@ -13,11 +14,11 @@ use enfilade_report::{Cancel, Error, Report};
 /// Measures the storey that the settings name, or the one with most walls; within its building, where that is known already.
 pub(crate) fn analyse_storey(
     job: Job<'_>,
-    (roots, floors): (Option<usize>, Option<Floors>),
+    (forest, floors): (Forest<'_>, Option<Floors>),
     understood: &mut (dyn FnMut() + Send),
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
-    let (study, report) = measure_storey(job, (roots, floors), understood, cancel)?;
+    let (study, report) = measure_storey(job, (forest, floors), understood, cancel)?;
     let outcome = analysis_of(job, &study, report)?;
     Ok((outcome, study))
 }
@@ -25,7 +26,7 @@ pub(crate) fn analyse_storey(
 /// A study of the storey, and what there is to say of it.
 pub(crate) fn measure_storey(
     job: Job<'_>,
-    (roots, floors): (Option<usize>, Option<Floors>),
+    (forest, floors): (Forest<'_>, Option<Floors>),
     understood: &mut (dyn FnMut() + Send),
     cancel: &Cancel,
 ) -> Result<(Study, Report), Error> {
@@ -40,7 +41,7 @@ pub(crate) fn measure_storey(
         Some(floors) => Some(floors),
         None => together::floors(job, &base, &mut report)?,
     };
-    let study = measure::measure(job, (base, floors), roots, &mut report)?;
+    let study = measure::measure(job, (base, floors), forest, &mut report)?;
     together::state(&study, &mut report);
     cancel.check()?;
     Ok((study, report))

@@ -5,9 +5,10 @@ pub(crate) mod together;
 use rayon::prelude::*;
 
 use crate::job::Job;
+use crate::measure::known::Forest;
 use crate::measure::study::Study;
 use crate::read;
-use crate::storey::analyse_storey;
+use crate::storey::{analyse_storey, measure_storey};
 use crate::understand::building;
 use crate::understand::rooms::rooms_with_kinds;
 use crate::understand::sensed::Sensed;
@@ -163,13 +164,35 @@ fn building_entry(e: enfilade_cad::ifc::Elements) -> BuildingEntry {
     }
 }
 
+/// Studies of the storeys of a building beside the one that is shown, without a tree; of those that can be read.
+///
+/// # Errors
+/// [`Error::Stopped`].
+pub(crate) fn views(job: Job<'_>, shown: &Study, cancel: &Cancel) -> Result<Vec<Study>, Error> {
+    let Job { input, settings } = job;
+    let found = enfilade_cad::storeys(input.file(), &input.bytes, &read::read_options(settings));
+    let list = others(&found, settings);
+    let main = main_of(&found, &list, settings);
+    let mut out = Vec::new();
+    for (_, (_, _, own)) in list.iter().enumerate().filter(|(i, _)| Some(*i) != main) {
+        cancel.check()?;
+        let floors = shown.floors.as_ref().and_then(|f| f.on(own.storey.as_deref()?));
+        match measure_storey(Job { input, settings: own }, (Forest::Nobody, floors), &mut || {}, cancel) {
+            Ok((study, _)) => out.push(study),
+            Err(Error::Stopped) => return Err(Error::Stopped),
+            Err(_) => {}
+        }
+    }
+    Ok(out)
+}
+
 /// Measures every storey of a building with several; adds the files of `analysis/` for each, `storey-N/…`.
 ///
 /// # Errors
 /// [`Error::Stopped`].
 pub(crate) fn analyse(
     job: Job<'_>,
-    shown: &Study,
+    (shown, forest): (&Study, Forest<'_>),
     files: &mut Vec<OutFile>,
     report: &mut Report,
     cancel: &Cancel,
@@ -187,7 +210,7 @@ pub(crate) fn analyse(
         }
         let floors = shown.floors.as_ref().and_then(|f| f.on(own.storey.as_deref()?));
         let job = Job { input, settings: own };
-        out.push(match analyse_storey(job, (shown.roots, floors), &mut || {}, cancel) {
+        out.push(match analyse_storey(job, (forest, floors), &mut || {}, cancel) {
             Ok((outcome, study)) => {
                 let inside =
                     |f: OutFile| OutFile { path: format!("{folder}/{}", f.path.display()).into(), ..f };

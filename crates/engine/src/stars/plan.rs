@@ -4,6 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::super::graph::{Graph, for_each_bit};
+use super::super::shares::Share;
 
 /// Roots that one leader sees (and itself, if it is one), walked together.
 pub struct Star {
@@ -21,6 +22,8 @@ pub struct Plan {
     pub stars: Vec<Star>,
     /// The stars whose leaders are no lanes.
     pub seeds: Vec<u32>,
+    /// Star of every rank that is a lane.
+    pub star_of: Vec<u32>,
 }
 
 struct Cover<'a> {
@@ -30,8 +33,6 @@ struct Cover<'a> {
     open: Vec<u64>,
     /// Leaders by the roots they would add, when they were last counted.
     heap: BinaryHeap<(usize, Reverse<u32>)>,
-    /// Star of every rank that is a lane.
-    star_of: Vec<u32>,
     plan: Plan,
 }
 
@@ -43,8 +44,7 @@ impl Plan {
             lanes,
             open: vec![0; graph.tiles.count()],
             heap: BinaryHeap::new(),
-            star_of: vec![u32::MAX; graph.len()],
-            plan: Self::default(),
+            plan: Self { star_of: vec![u32::MAX; graph.len()], ..Self::default() },
         };
         let rank_of = |&v: &u32| graph.tiles.rank_of[v as usize];
         let mut ranks: Vec<u32> =
@@ -62,7 +62,7 @@ impl Plan {
             while let Some((was, Reverse(leader))) = cover.heap.pop() {
                 let gain = cover.gain(leader);
                 if gain == was {
-                    let parent = cover.star_of[leader as usize] as usize;
+                    let parent = cover.plan.star_of[leader as usize] as usize;
                     let star = cover.plan.stars.len() as u32;
                     cover.plan.stars[parent].children.push(star);
                     cover.add(leader);
@@ -75,6 +75,20 @@ impl Plan {
             }
         }
         Some(cover.plan)
+    }
+
+    /// Whether each star is of a share. They follow each other as trees are walked, a star before its children: a cut
+    /// leaves few of them without the star that gives their leader's levels.
+    pub fn share(&self, share: Share) -> Vec<bool> {
+        let mut left: Vec<u32> = self.seeds.iter().rev().copied().collect();
+        let mut order = Vec::with_capacity(self.stars.len());
+        while let Some(star) = left.pop() {
+            order.push(star);
+            left.extend(self.stars[star as usize].children.iter().rev());
+        }
+        let mut is_own = vec![false; self.stars.len()];
+        share.of(&order).iter().for_each(|star| is_own[*star as usize] = true);
+        is_own
     }
 }
 
@@ -114,9 +128,9 @@ impl Cover<'_> {
         for &rank in &lanes {
             let (tile, bit) = tiles.slot_of[rank as usize];
             self.open[tile as usize] &= !(1 << bit);
-            self.star_of[rank as usize] = self.plan.stars.len() as u32;
+            self.plan.star_of[rank as usize] = self.plan.stars.len() as u32;
         }
-        let is_lane = self.star_of[leader as usize] != u32::MAX;
+        let is_lane = self.plan.star_of[leader as usize] != u32::MAX;
         let again = (is_lane && lanes.binary_search(&leader).is_err()).then_some(leader);
         for &rank in lanes.iter().chain(&again) {
             let gain = self.gain(rank);

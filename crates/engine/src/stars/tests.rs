@@ -14,11 +14,33 @@ fn ways() -> Vec<Way> {
         .collect()
 }
 
+/// All levels in the order of the roots.
+fn levels_by(way: Way, graph: &Graph, roots: &[u32]) -> Option<Vec<Vec<u32>>> {
+    levels_in_shares(way, graph, roots, 1)
+}
+
+/// The same, made in so many shares; every root is in one of them.
+fn levels_in_shares(way: Way, graph: &Graph, roots: &[u32], shares: u32) -> Option<Vec<Vec<u32>>> {
+    let mut levels = vec![None; roots.len()];
+    for share in Share::all(shares) {
+        for (place, own) in level_counts_by(way, graph, roots, share)? {
+            assert!(levels[place as usize].replace(own).is_none());
+        }
+    }
+    levels.into_iter().collect()
+}
+
+fn waves_of(path: Path, graph: &Graph, roots: &[u32]) -> Vec<Vec<u32>> {
+    let mut waves = by_waves(path, graph, roots, u32::MAX, Share::WHOLE);
+    waves.sort_unstable_by_key(|w| w.0);
+    waves.into_iter().map(|w| w.1).collect()
+}
+
 /// Every way has the levels of waves; without halls it may leave the graph to them.
 fn check(graph: &Graph, roots: &[u32]) -> Result<(), TestCaseError> {
-    let waves = by_waves(Path::Portable, graph, roots, u32::MAX);
+    let waves = waves_of(Path::Portable, graph, roots);
     for way in ways() {
-        match level_counts_by(way, graph, roots) {
+        match levels_by(way, graph, roots) {
             Some(stars) => prop_assert!(stars == waves, "{:?}", way),
             None => prop_assert!(!way.by_halls, "{:?}", way),
         }
@@ -53,15 +75,17 @@ proptest! {
 fn rooms_have_the_levels_of_waves() {
     let (lattice, obstacles) = fixtures::rooms(16, 5);
     let graph = visibility::visibility_graph(&lattice, &obstacles);
-    let waves = by_waves(Path::Portable, &graph, &lattice.query, u32::MAX);
+    let waves = waves_of(Path::Portable, &graph, &lattice.query);
     let deepest = waves.iter().map(Vec::len).max();
     assert!(deepest >= Some(8), "{deepest:?}");
     for way in ways() {
         for threads in [1, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let stars = pool.install(|| level_counts_by(way, &graph, &lattice.query));
+            let stars = pool.install(|| levels_by(way, &graph, &lattice.query));
             assert!(stars.as_ref() == Some(&waves), "{way:?}");
         }
+        let stars = levels_in_shares(way, &graph, &lattice.query, 3);
+        assert!(stars.as_ref() == Some(&waves), "{way:?} in shares");
     }
 }
 
@@ -78,9 +102,9 @@ fn a_corridor_there_and_back_has_the_levels_of_waves() {
     let segments = (0..295).flat_map(wall).chain([between]).collect();
     let lattice = fixtures::lattice(10, [0, 0], cells);
     let graph = visibility::visibility_graph(&lattice, &Obstacles { segments, blind: vec![7] });
-    let waves = by_waves(Path::best(), &graph, &lattice.query, u32::MAX);
+    let waves = waves_of(Path::best(), &graph, &lattice.query);
     assert!(waves[0].len() > 128, "{}", waves[0].len());
     let way = |by_halls| Way { path: Path::best(), lanes: 64, by_halls, lanes_min: 1 };
-    assert!(level_counts_by(way(false), &graph, &lattice.query).is_none());
-    assert!(level_counts_by(way(true), &graph, &lattice.query) == Some(waves));
+    assert!(levels_by(way(false), &graph, &lattice.query).is_none());
+    assert!(levels_by(way(true), &graph, &lattice.query) == Some(waves));
 }

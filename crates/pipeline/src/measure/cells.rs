@@ -7,16 +7,17 @@ use glam::DVec2;
 use crate::measure::study::Study;
 use enfilade_brief::{Measure, column_of};
 use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M, segments_touch};
-use enfilade_engine::isovist::isovist_columns;
+use enfilade_engine::isovist::{isovist_columns, isovist_columns_from};
 use enfilade_engine::measures::{
-    Column, GLOBAL_NAMES, LOCAL_NAMES, UNDEFINED, entropy_bits, global_columns, global_columns_beside,
-    local_columns_of,
+    Column, GLOBAL_NAMES, LOCAL_NAMES, UNDEFINED, entropy_bits, global_columns_beside, local_columns_of,
 };
+use enfilade_engine::path_columns::{angular_columns_from, metric_columns_from};
 use enfilade_engine::paths::{Paths, Turning};
 use enfilade_engine::sampled::{is_estimated, sampled_columns};
-use enfilade_engine::through::through_vision_column;
+use enfilade_engine::through::{through_vision_column, through_vision_column_from};
 use enfilade_engine::visibility::{Graph, visibility_graph};
-use enfilade_engine::{Lattice, Obstacles, Tally};
+use enfilade_engine::walked::{Walked, Wanted};
+use enfilade_engine::{Lattice, Obstacles};
 use enfilade_overlay::glossary;
 use enfilade_overlay::result::Numbers;
 use enfilade_report::{Error, Place, counted};
@@ -112,26 +113,10 @@ impl Measured {
 /// # Errors
 /// [`Error::Usage`] for a measure that does not exist, a radius of no whole steps and a step point that no vertex is near.
 pub fn measure_cells(study: &Study, options: &CellOptions) -> Result<Measured, Error> {
-    let options = &CellOptions { measures: by_family(&options.measures), ..options.clone() };
+    let options = &options.by_family();
     let graph = graph(study);
-    let asked = |family: &str| {
-        let named = options.measures.iter().any(|m| {
-            m.eq_ignore_ascii_case("all")
-                || m.eq_ignore_ascii_case(family)
-                || (FAMILIES.iter().all(|f| !m.eq_ignore_ascii_case(f.0)) && family_of(m) == family)
-        });
-        named || (options.measures.is_empty() && family == "graph")
-    };
-    if let Some(radius) = options.radius.filter(|r| r.fract() != 0.0)
-        && asked("graph")
-        && !names_only(&options.measures, &LOCAL_NAMES)
-    {
-        let text = format!(
-            "--radius: found {radius}, expected a whole number: graph measures count steps (--measures metric or angular \
-             takes metres or right angles, with decimals); nothing was done"
-        );
-        return Err(Error::usage("radius", Place::default(), text));
-    }
+    let asked = |family: &str| options.asks_for(family);
+    options.judge_radius()?;
     if options.roots.is_some() && asked("graph") && study.lattice.beyond.is_some() {
         let text = "--roots estimates trees of one storey, and --over-stairs counts on others too; leave one of them away; \
                     nothing was done";
@@ -140,8 +125,13 @@ pub fn measure_cells(study: &Study, options: &CellOptions) -> Result<Measured, E
     let obstacles = study.initial_obstacles();
     let lattice = &study.lattice;
     let paths = || Paths::new(lattice, &graph, &obstacles, Turning::default());
-    let known = study.roots.is_none().then_some(&study.initial.seen.tally);
-    let mut measured = all_columns((lattice, &graph, &obstacles), known, options, asked);
+    let walked = study.walked();
+    let trees = match walked {
+        Some(walked) => (0..graph.len() as u32).map(|v| walked.trees.levels(v)).collect(),
+        None if study.roots.is_none() => study.initial.seen.tally.trees(lattice),
+        None => vec![None; graph.len()],
+    };
+    let mut measured = all_columns((lattice, &graph, &obstacles), (&trees, walked), options, asked);
     measured.columns = chosen(measured.columns, &options.measures)?;
     if !options.step_from.is_empty() {
         let from: Result<Vec<u32>, Error> =
@@ -181,10 +171,62 @@ fn of_ways(mut columns: Vec<Column>) -> Vec<Column> {
 /// What every column that counts the cells of its family's means has in its name.
 const NODE_COUNT: &str = "Node Count";
 
-/// The columns of the families asked for, all of them; `known` are the trees of the query vertices.
+impl CellOptions {
+    fn by_family(&self) -> Self {
+        Self { measures: by_family(&self.measures), ..self.clone() }
+    }
+
+    /// Whether columns of a family are asked for; families have their first names.
+    fn asks_for(&self, family: &str) -> bool {
+        let named = self.measures.iter().any(|m| {
+            m.eq_ignore_ascii_case("all")
+                || m.eq_ignore_ascii_case(family)
+                || (FAMILIES.iter().all(|f| !m.eq_ignore_ascii_case(f.0)) && family_of(m) == family)
+        });
+        named || (self.measures.is_empty() && family == "graph")
+    }
+
+    fn asks_for_trees(&self) -> bool {
+        self.asks_for("graph") && !names_only(&self.measures, &LOCAL_NAMES)
+    }
+
+    fn judge_radius(&self) -> Result<(), Error> {
+        let Some(radius) = self.radius.filter(|r| r.fract() != 0.0 && self.asks_for_trees()) else {
+            return Ok(());
+        };
+        let text = format!(
+            "--radius: found {radius}, expected a whole number: graph measures count steps (--measures metric or angular \
+             takes metres or right angles, with decimals); nothing was done"
+        );
+        Err(Error::usage("radius", Place::default(), text))
+    }
+
+    /// What of them begins at every vertex by itself, and can be measured in parts.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a measure that does not exist and a radius of no whole steps.
+    pub(crate) fn wanted(&self) -> Result<Wanted, Error> {
+        let own = self.by_family();
+        own.judge_radius()?;
+        let all = enfilade_brief::columns().map(|c| Column { name: c.name.into(), values: Vec::new() });
+        chosen(all.collect(), &own.measures)?;
+        let way = |family: &str| own.asks_for(family).then_some(own.radius);
+        Ok(Wanted {
+            // Within a radius trees are small.
+            every_tree: own.asks_for_trees() && own.radius.is_none(),
+            metric: way("metric"),
+            angular: way("angular"),
+            isovists: own.asks_for("isovist"),
+            through: own.asks_for("through"),
+        })
+    }
+}
+
+/// The columns of the families asked for, all of them; of what was walked elsewhere nothing is walked again, nor are
+/// trees that are known, by vertex.
 fn all_columns(
     (lattice, graph, obstacles): (&Lattice, &Graph, &Obstacles),
-    known: Option<&Tally>,
+    (trees, walked): (&[Option<&[u32]>], Option<&Walked>),
     options: &CellOptions,
     asked: impl Fn(&str) -> bool,
 ) -> Measured {
@@ -195,29 +237,36 @@ fn all_columns(
         all.extend(local_columns_of(lattice, graph, |name| !are_named || named(name)));
     }
     if asked("graph") && !names_only(&options.measures, &LOCAL_NAMES) {
-        all.extend(match (options.roots, known, options.radius) {
-            (Some(roots), ..) => {
+        all.extend(match options.roots {
+            Some(roots) => {
                 let sampled = sampled_columns(graph, roots, options.seed);
                 drawn = Some(sampled.roots);
                 sampled.columns
             }
-            (None, Some(known), None) => global_columns_beside(lattice, graph, known),
             // Whole, or it was refused.
-            (None, _, radius) => global_columns(lattice, graph, radius.map(|r| r as u32)),
+            None => {
+                let radius = options.radius.map(|r| r as u32);
+                global_columns_beside(lattice, graph, |v| trees[v as usize], radius)
+            }
         });
     }
+    let radius = options.radius;
     if asked("isovist") {
-        all.extend(isovist_columns(lattice, obstacles));
+        let known = walked.and_then(|w| w.isovists.as_ref()).map(|rows| isovist_columns_from(rows));
+        all.extend(known.unwrap_or_else(|| isovist_columns(lattice, obstacles)));
     }
     let paths = || Paths::new(lattice, graph, obstacles, Turning::default());
     if asked("metric") {
-        all.extend(of_ways(paths().metric_columns(options.radius)));
+        let known = walked.and_then(|w| w.metric.as_ref()).map(|rows| metric_columns_from(rows, radius));
+        all.extend(of_ways(known.unwrap_or_else(|| paths().metric_columns(radius))));
     }
     if asked("angular") {
-        all.extend(of_ways(paths().angular_columns(options.radius)));
+        let known = walked.and_then(|w| w.angular.as_ref()).map(|rows| angular_columns_from(rows, radius));
+        all.extend(of_ways(known.unwrap_or_else(|| paths().angular_columns(radius))));
     }
     if asked("through") {
-        all.push(through_vision_column(lattice, graph));
+        let known = walked.and_then(|w| w.through.as_ref()).map(|counts| through_vision_column_from(counts));
+        all.push(known.unwrap_or_else(|| through_vision_column(lattice, graph)));
     }
     Measured { columns: all, roots: drawn }
 }
@@ -487,7 +536,12 @@ mod tests {
         let mut names = vec!["Degree".to_string(), "Depth".into(), "Entropy".into()];
         for (radius, roots) in [(None, None), (Some(3.0), None), (None, Some(9))] {
             let options = CellOptions { radius, roots, ..CellOptions::default() };
-            let made = all_columns((&lattice, &graph, &obstacles), None, &options, |_| true);
+            let made = all_columns(
+                (&lattice, &graph, &obstacles),
+                (&vec![None; graph.len()], None),
+                &options,
+                |_| true,
+            );
             names.extend(made.columns.into_iter().map(|c| c.name));
         }
         let paths = Paths::new(&lattice, &graph, &obstacles, Turning::default());
@@ -583,7 +637,7 @@ mod tests {
         let options =
             CellOptions { measures: vec!["metric".into(), "angular".into()], ..CellOptions::default() };
         let asked = |family: &str| family == "metric" || family == "angular";
-        let mut columns = all_columns((&lattice, &graph, &obstacles), None, &options, asked).columns;
+        let mut columns = all_columns((&lattice, &graph, &obstacles), (&[], None), &options, asked).columns;
         leave_out(&mut columns, &obstacles.blind);
         assert_eq!(columns.len(), 7);
         for column in &columns {

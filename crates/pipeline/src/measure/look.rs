@@ -61,7 +61,7 @@ impl Look {
         base: &Understood,
         identity: &Layout,
         settings: &Settings,
-        (use_for, over, unit_m): (Use, Over<'_>, f64),
+        (use_for, over, unit_m): (Use<'_>, Over<'_>, f64),
         report: &mut Report,
     ) -> Result<Self, Error> {
         // Why there is none the backend says.
@@ -111,7 +111,7 @@ pub(crate) fn pairs(
     ground: &Ground<'_>,
     identity: &Layout,
     settings: &Settings,
-    use_for: (Use, Over<'_>, Option<&Arc<Gpu>>),
+    use_for: (Use<'_>, Over<'_>, Option<&Arc<Gpu>>),
     report: &mut Report,
 ) -> Result<Vec<Pair>, Error> {
     let markers = &base.plan.markers;

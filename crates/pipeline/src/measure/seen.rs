@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use crate::measure::floors::Over;
+use crate::measure::known::{Known, Print, print};
 use crate::measure::parts::blind;
 use crate::understand::understood::Understood;
 use enfilade_config::{Measure, Source};
@@ -15,8 +16,10 @@ use enfilade_engine::isovist::query_isovists;
 use enfilade_engine::lattice::{CellIndex, Ground, lattice};
 use enfilade_engine::measures::{Column, Means, local_columns, means};
 use enfilade_engine::paths::{Paths, Turning};
+use enfilade_engine::shares::Trees;
 use enfilade_engine::through::through_vision_column;
 use enfilade_engine::visibility::{Graph, bytes_beyond, visibility_graph};
+use enfilade_engine::walked::Walked;
 use enfilade_engine::{Lattice, Obstacles, Tally};
 use enfilade_moves::Layout;
 use enfilade_report::{Error, Place, Report};
@@ -113,6 +116,10 @@ pub(crate) struct Scene {
     pub edges: u64,
     /// What is asked for beyond the tally.
     asked: Vec<Measure>,
+    /// What was walked elsewhere.
+    pub walked: Option<Arc<Walked>>,
+    /// What parts of it are known by; none where it is neither done nor joined in parts.
+    pub print: Option<Print>,
 }
 
 impl Scene {
@@ -121,7 +128,7 @@ impl Scene {
         base: &Understood,
         identity: &Layout,
         asked: Vec<Measure>,
-        (use_for, over, card): (Use, Over<'_>, Option<&Arc<Gpu>>),
+        (use_for, over, card): (Use<'_>, Over<'_>, Option<&Arc<Gpu>>),
         report: &mut Report,
     ) -> Result<Self, Error> {
         let mut lattice = lattice(ground, report)?;
@@ -131,7 +138,28 @@ impl Scene {
         let lattice = Arc::new(lattice);
         let segments = ground.movable.to_vec();
         let moving = Obstacles { blind: blind(base, identity, &cells, &segments), segments };
+        let in_parts = matches!(use_for, Use::Views | Use::Known(_));
+        let print = in_parts.then(|| {
+            let segments = [ground.fixed, &moving.segments].concat();
+            print(&lattice, &Obstacles { segments, blind: moving.blind.clone() })
+        });
+        let walked = match (use_for, &print) {
+            (Use::Known(known), Some(print)) => {
+                Some(known.of(print, &lattice).ok_or_else(|| other_parts(ground))?)
+            }
+            _ => None,
+        };
         let on_cores = || match use_for {
+            Use::Views => Evaluator::unmeasured(Arc::clone(&lattice), ground.fixed, &moving),
+            Use::Known(_) => {
+                let trees = walked.as_deref().map(|w| &w.trees);
+                Evaluator::walked(
+                    Arc::clone(&lattice),
+                    ground.fixed,
+                    &moving,
+                    trees.unwrap_or(&Trees::default()),
+                )
+            }
             Use::Roots(roots, seed) => {
                 Evaluator::sampled(Arc::clone(&lattice), ground.fixed, &moving, (roots, seed))
             }
@@ -142,7 +170,8 @@ impl Scene {
                 Evaluator::unprepared(Arc::clone(&lattice), ground.fixed, &moving, own_roots(&lattice, roots))
             }
         };
-        let card = card.filter(|_| use_for == Use::Search(None) && lattice.cells.len() >= CARD_CELLS_MIN);
+        let card =
+            card.filter(|_| matches!(use_for, Use::Search(None)) && lattice.cells.len() >= CARD_CELLS_MIN);
         let evaluator = match card {
             None => on_cores(),
             Some(gpu) => {
@@ -157,7 +186,8 @@ impl Scene {
             }
         };
         let (edges, components) = (evaluator.initial_edges(), evaluator.initial_components().to_vec());
-        Ok(Self { lattice, cells, components, evaluator, edges, asked })
+        let asked = if matches!(use_for, Use::Views) { Vec::new() } else { asked };
+        Ok(Self { lattice, cells, components, evaluator, edges, asked, walked, print })
     }
 
     /// A layout's tally with what else is asked for; `blind` are the vertices that it covers, ascending,
@@ -213,6 +243,12 @@ impl Scene {
     }
 }
 
+fn other_parts(ground: &Ground<'_>) -> Error {
+    let text = "the parts are of other cells or walls than are found here: one of the two was made by another build of the \
+                program, or on another kind of machine; nothing was written; make all parts anew with this program";
+    Error::input("parts-other", Place::file(ground.file), text)
+}
+
 /// Roots drawn anew for every lattice, or their errors would not go out against each other; none where they are all.
 fn own_roots(lattice: &Lattice, drawn: Drawn) -> Drawn {
     let [x, y] = lattice.origin_um.map(|v| v as u64);
@@ -224,14 +260,18 @@ fn own_roots(lattice: &Lattice, drawn: Drawn) -> Drawn {
 pub type Drawn = Option<(usize, u64)>;
 
 /// What a lattice is measured for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Use {
+#[derive(Clone, Copy, Debug)]
+pub enum Use<'a> {
     /// The present layout alone, by breadth-first trees of about so many roots, drawn by a seed.
     Roots(usize, u64),
     /// Few layouts: by what they change.
     Few(Drawn),
     /// Many layouts.
     Search(Drawn),
+    /// Nothing: who sees whom in the present layout is asked for.
+    Views,
+    /// The present layout alone, whose trees were walked before.
+    Known(&'a Known),
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::measure::floors::{Floor, Floors, Over};
+use crate::measure::known::Forest;
 use crate::measure::look::{Bench, Look, SeenOn, state_asked};
 use crate::measure::parts::{blind, fixed_parts, moving_segments, stopping};
 use crate::measure::seen::Scene;
@@ -20,6 +21,7 @@ use enfilade_engine::geometry::{PointUm, UM_PER_M};
 use enfilade_engine::gpu::Gpu;
 use enfilade_engine::lattice::{CellIndex, Ground};
 use enfilade_engine::visibility::{Graph, Vista, visibility_graph};
+use enfilade_engine::walked::Walked;
 use enfilade_engine::{Lattice, Obstacles};
 use enfilade_moves::Layout;
 use enfilade_penalties::{Alignment, Clearance, Overlap, Passage, RoomArea, WallLength, WallPiece};
@@ -75,28 +77,30 @@ pub struct Study {
 
 impl Study {
     /// Lays the lattice and measures the present layout, within its building where steps are counted over the stairs; with
-    /// breadth-first trees of about `roots` roots where that many are named, for a look at the present layout alone.
+    /// the breadth-first trees that are asked for: unless they are everyone's, for a look at the present layout alone.
     ///
     /// # Errors
-    /// [`Error::Input`] when no cell is left or a limit is passed.
+    /// [`Error::Input`] when no cell is left, a limit is passed or what is known is of other cells.
     pub(crate) fn from_roots(
         (base, floors): (Understood, Option<Floors>),
         settings: &Settings,
-        roots: Option<usize>,
+        forest: Forest<'_>,
         report: &mut Report,
     ) -> Result<Self, Error> {
         let spacing_m = spacing::choose_m(&base, settings);
         let spacing_um = (spacing_m * UM_PER_M).round() as i64;
         let centre_um = settings.lattice_centre_m.unwrap_or_default().map(|v| (v * UM_PER_M).round() as i64);
         let at = LatticeAt { spacing_um, centre_um };
-        let study = Self::on(
-            (Arc::new(base), floors),
-            settings,
-            &[at],
-            (roots.map_or(Use::Search(None), |n| Use::Roots(n, settings.seed)), spacing_m),
-            report,
-        )?;
-        study.state_blind(report);
+        let use_for = match forest {
+            Forest::Every => Use::Search(None),
+            Forest::Roots(roots) => Use::Roots(roots, settings.seed),
+            Forest::Nobody => Use::Views,
+            Forest::Known(known) => Use::Known(known),
+        };
+        let study = Self::on((Arc::new(base), floors), settings, &[at], (use_for, spacing_m), report)?;
+        if !matches!(use_for, Use::Views) {
+            study.state_blind(report);
+        }
         Ok(study)
     }
 
@@ -108,7 +112,7 @@ impl Study {
         &self,
         settings: &Settings,
         lattices: &[LatticeAt],
-        use_for: Use,
+        use_for: Use<'_>,
     ) -> Result<Self, Error> {
         let base = (Arc::clone(&self.base), self.floors.clone());
         Self::on(base, settings, lattices, (use_for, self.spacing_m), &mut Report::default())
@@ -124,7 +128,7 @@ impl Study {
         (base, floors): (Arc<Understood>, Option<Floors>),
         settings: &Settings,
         lattices: &[LatticeAt],
-        (use_for, unit_m): (Use, f64),
+        (use_for, unit_m): (Use<'_>, f64),
         report: &mut Report,
     ) -> Result<Self, Error> {
         let pieces = Pieces::new(&base);
@@ -213,12 +217,21 @@ impl Study {
     /// How another storey of the building is laid out: who sees whom on a lattice.
     fn lay(at: LatticeAt) -> impl Fn(&Floor) -> Option<(Graph, CellIndex)> + Sync {
         move |floor| {
-            // Its graph alone is asked for: as few trees as can be.
-            let told = (Use::Roots(1, 0), at.spacing_um as f64 / UM_PER_M);
+            let told = (Use::Views, at.spacing_um as f64 / UM_PER_M);
             let base = (Arc::clone(&floor.base), None);
             let on = Self::on(base, &floor.settings, &[at], told, &mut Report::default()).ok()?;
             Some((visibility_graph(&on.lattice, &on.initial_obstacles()), CellIndex::new(&on.lattice)))
         }
+    }
+
+    /// What of the first lattice was walked elsewhere.
+    pub(crate) fn walked(&self) -> Option<&Walked> {
+        self.looks[0].main.walked.as_deref()
+    }
+
+    /// The unnamed pair of regions and the named ones, on the first lattice.
+    pub(crate) fn scenes(&self) -> impl Iterator<Item = &Scene> {
+        std::iter::once(&self.looks[0].main).chain(self.pairs().iter().map(|p| &p.scene))
     }
 
     /// The named pairs of regions, on the first lattice.

@@ -108,7 +108,8 @@ impl<'a> Allowance<'a> {
             if remembered.is_none() && done > 0 && self.clock.spent_secs() >= seconds {
                 search.finish(Stop::Time);
             }
-            self.fit = remembered.map_or_else(|| self.clock.fit(done, seconds, self.together).max(self.least), |p| p.fit);
+            self.fit = remembered
+                .map_or_else(|| self.clock.fit(done, seconds, self.together).max(self.least), |p| p.fit);
             if !self.settings.until_converged {
                 search.set_evaluations(self.settings.evaluations.map_or(self.fit, |most| most.min(self.fit)));
             }
