@@ -6,7 +6,11 @@
 //! walks the breadth-first trees with tables of four rows each.
 
 mod broad;
+mod poses;
 mod steps;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::geometry::{PointUm, Segment, cross_um, segments_touch};
 
@@ -20,6 +24,7 @@ use super::lanes::{LANES, Lanes, Path, Portable, Vector};
 use super::strips::{MAX_COORDINATE_CELLS, MAX_COORDINATE_UM};
 use super::{Lattice, Obstacles, Tally};
 pub(super) use broad::Broad;
+use poses::{Pose, Poses};
 
 /// Largest box: a row of bits is at most eight cache lines and the tables stay near the processor.
 pub(super) const MAX_CELLS: usize = 8 * LANES;
@@ -36,6 +41,8 @@ const STEEP: f64 = 1e12;
 
 /// See the module page.
 pub(super) struct Dense {
+    /// Another for every value made.
+    id: u64,
     pub(super) path: Path,
     /// Which coordinate runs along a line, and which across.
     axes: [usize; 2],
@@ -79,6 +86,7 @@ struct Viewer {
 #[derive(Default)]
 pub(super) struct DenseScratch {
     view: Vec<u64>,
+    poses: Poses,
     /// A row of bits in the making, a word more than it has; segments near a viewer.
     packed: Vec<u64>,
     near: Vec<u32>,
@@ -100,6 +108,7 @@ pub(super) struct DenseScratch {
 }
 
 /// A moving segment in the local frame, lower end first, with its box.
+#[derive(Clone)]
 struct Moving {
     a: [f64; 2],
     b: [f64; 2],
@@ -108,6 +117,11 @@ struct Moving {
     /// Run over rise; 0 if it is level.
     lean: f64,
     exact: Segment,
+}
+
+/// The lowest first: what they hide need not be looked at again.
+fn lowest_first(segments: &mut [Moving]) {
+    segments.sort_unstable_by_key(|m| (m.exact.a[1], m.exact));
 }
 
 /// Lines of the half plane that are computed at a time.
@@ -216,7 +230,9 @@ impl Dense {
         let mut cell_of = vec![0; graph.len()];
         order.iter().enumerate().for_each(|(cell, &v)| cell_of[v as usize] = cell as u32);
         let low = [0, 1].map(|k| lattice.origin_um[k] + graph.tiles.min_cell[k] * lattice.spacing_um);
+        static MADE: AtomicU64 = AtomicU64::new(0);
         let mut new = Self {
+            id: MADE.fetch_add(1, Ordering::Relaxed),
             path: Path::best(),
             axes,
             low_um: axes.map(|k| low[k]),
@@ -307,8 +323,7 @@ impl Dense {
         })
     }
 
-    /// Segments that meet the box of the vertices, in the local frame: the lowest first, so that what they hide
-    /// need not be looked at again.
+    /// Segments that meet the box of the vertices, in the local frame.
     fn take(&self, segments: &[Segment]) -> Option<Vec<Moving>> {
         let far = [0, 1].map(|k| (self.size[k] - 1) as i64 * self.spacing_um);
         let mut taken = Vec::with_capacity(segments.len());
@@ -334,7 +349,6 @@ impl Dense {
             let lean = if b[1] > a[1] { (b[0] - a[0]) / (b[1] - a[1]) } else { 0.0 };
             taken.push(Moving { a, b, left: a[0].min(b[0]), right: a[0].max(b[0]), lean, exact });
         }
-        taken.sort_unstable_by_key(|m| (m.exact.a[1], m.exact));
         Some(taken)
     }
 
@@ -380,11 +394,16 @@ impl Dense {
     /// The upper half plane of every viewer, as bits by cell, and the lower ones from them.
     #[inline(always)]
     fn cast_all<V: Vector>(&self, segments: &[Moving], blind: &[u32], scratch: &mut DenseScratch) {
-        let DenseScratch { view, packed, near, rows, bare, .. } = scratch;
+        let DenseScratch { view, poses, packed, near, rows, bare, .. } = scratch;
         packed.resize(self.stride * 8 + 1, 0);
         near.resize(segments.len() + 1, 0);
+        let poses::Sorted { mut known, again, mut new } = poses.sort(self.id, segments);
+        for chain in again {
+            known.push(poses.keep(chain, self.pose(chain, near, view)));
+        }
+        lowest_first(&mut new);
         for v in 0..self.viewers.len() {
-            let viewer = self.shade(v, segments, near, view);
+            let viewer = self.shade(v, (&known, &new), near, view);
             self.pack::<V>(&viewer, view, packed);
             let row = &mut rows[self.cell_of[v] as usize * self.stride..][..self.stride];
             for (lanes, words) in row.iter_mut().zip(packed.as_chunks().0) {
@@ -399,14 +418,36 @@ impl Dense {
         mirror(rows, self.stride, self.words);
     }
 
-    /// Makes `view` the upper half plane of viewer `v`; the viewer with the box that is left. `near` has room for
-    /// all segments and one more.
+    /// What one chain of segments leaves of every view.
     #[inline(always)]
-    fn shade(&self, v: usize, segments: &[Moving], near: &mut [u32], view: &mut Vec<u64>) -> Viewer {
+    fn pose(&self, chain: &[Moving], near: &mut [u32], view: &mut Vec<u64>) -> Pose {
+        let mut segments = chain.to_vec();
+        lowest_first(&mut segments);
+        let mut pose = Pose::of(self.viewers.len());
+        for v in 0..self.viewers.len() {
+            self.shade(v, (&[], &segments), near, view);
+            pose.add(self, &self.fixed[v * self.view_words()..][..self.view_words()], view);
+        }
+        pose
+    }
+
+    /// Makes `view` the upper half plane of viewer `v` behind some poses and segments, the lowest first; the viewer with the
+    /// box that is left. `near` has room for all segments and one more.
+    #[inline(always)]
+    fn shade(
+        &self,
+        v: usize,
+        (poses, segments): (&[Arc<Pose>], &[Moving]),
+        near: &mut [u32],
+        view: &mut Vec<u64>,
+    ) -> Viewer {
         let s = self.spacing_um as f64;
         let mut viewer = self.viewers[v];
         view.clear();
         view.extend_from_slice(&self.fixed[v * self.view_words()..][..self.view_words()]);
+        for pose in poses {
+            pose.shade(v, self.line_stride(), view);
+        }
         let (low, top) = (viewer.at[1] as f64 * s, viewer.top as f64 * s);
         let (left, right) = (viewer.lo * s, viewer.hi * s);
         // No branch: which segments are near cannot be guessed.

@@ -75,7 +75,7 @@ fn with_trees_of(mut tally: Tally, places: &[u32]) -> Tally {
     tally
 }
 
-/// Buffers of one thread.
+/// Buffers of one thread, for one evaluator.
 pub struct Scratch {
     dense: DenseScratch,
 }
@@ -440,8 +440,13 @@ mod tests {
             let mut scratch = evaluator.scratch();
             prop_assert_eq!(&evaluator.evaluate(&initial, &mut scratch), evaluator.initial());
             let unprepared = Evaluator::unprepared(Arc::clone(&evaluator.lattice), &fixed, &initial, roots);
+            let mut stood: Vec<Segment> = vec![];
             for (segments, blind) in layouts {
-                let moving = Obstacles { segments: wide(segments), blind };
+                // Walls of the layout before that stay where they are, among others that do not.
+                let kept = stood.iter().step_by(2).copied();
+                let segments: Vec<Segment> = kept.chain(wide(segments)).collect();
+                stood.clone_from(&segments);
+                let moving = Obstacles { segments, blind };
                 let whole = evaluator.evaluate_whole(&moving, &mut evaluator.scratch());
                 prop_assert_eq!(&unprepared.evaluate(&moving, &mut unprepared.scratch()), &whole);
                 prop_assert_eq!(&evaluator.evaluate_walls(&evaluator.whole(&moving)), &whole);

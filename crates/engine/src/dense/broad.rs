@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{Dense, DenseScratch, Moving, Viewer};
+use super::{Dense, DenseScratch, Moving, Viewer, lowest_first};
 use crate::graph::Graph;
 use crate::halves::{Half, Halves};
 use crate::lanes::Path;
@@ -43,7 +43,8 @@ impl Broad {
     /// The graph with the `moving` walls too, on the calling thread; `None` if a coordinate is beyond the
     /// arithmetic. Equal to that of all walls at once, bit for bit.
     pub fn graph(&self, moving: &Obstacles, scratch: &mut DenseScratch) -> Option<Graph> {
-        let segments = self.dense.take(&moving.segments)?;
+        let mut segments = self.dense.take(&moving.segments)?;
+        lowest_first(&mut segments);
         let mut open = self.tiles.occupied.clone();
         for &v in &moving.blind {
             let (tile, bit) = self.tiles.slot_of[self.tiles.rank_of[v as usize] as usize];
@@ -88,7 +89,7 @@ impl Broad {
                 let bit = self.tiles.slot_of[rank as usize].1;
                 if open[t] >> bit & 1 == 1 {
                     let v = self.tiles.vertex_of[rank as usize] as usize;
-                    let viewer = self.dense.shade(v, segments, near, view);
+                    let viewer = self.dense.shade(v, (&[], segments), near, view);
                     self.for_each_tile(&viewer, view, |tile, mask| {
                         let mask = mask & open[tile as usize];
                         if mask != 0 {
