@@ -5,6 +5,7 @@
 //! and may be done again anywhere without harm. A job makes a round, or measures a part of an analysis. Results lie in `OUT/<id>/result/`, whole or not at all.
 
 mod beside;
+mod joined;
 mod part;
 
 use std::fs;
@@ -23,6 +24,7 @@ use enfilade_config::{Beside, Partial, Settings};
 use enfilade_overlay::result::{RoundResult, to_json};
 use enfilade_pipeline::Outcome;
 use enfilade_report::{Error, OutFile, Place};
+pub use joined::KNOWN_MAX;
 pub use part::{FinishedPart, PART_SCHEMA, PartOf};
 
 /// `schema` of a [`Job`].
@@ -235,9 +237,13 @@ impl Job {
 
     /// What an earlier run of the same job left, if it did and every file is there as it was written.
     pub fn finished(&self, home: &Home) -> Option<Finished> {
-        let text = fs::read(home.folder().join(RESULT).join(FINISHED)).ok()?;
+        self.finished_in(&home.folder().join(RESULT))
+    }
+
+    fn finished_in(&self, folder: &Path) -> Option<Finished> {
+        let text = fs::read(folder.join(FINISHED)).ok()?;
         let found: Finished = serde_json::from_slice(&text).ok()?;
-        let is_whole = || digest_of(&home.folder().join(RESULT)).is_some_and(|d| d == found.digest);
+        let is_whole = || digest_of(folder).is_some_and(|d| d == found.digest);
         (found.id == self.id && is_whole()).then_some(found)
     }
 

@@ -20,7 +20,7 @@ use enfilade_config::{BriefText, JOB_SECS, Partial};
 use enfilade_pipeline::resolution;
 use enfilade_report::complain;
 pub use manual::man;
-pub use parts::{MergeArgs, PartsArgs};
+pub use parts::{JoinArgs, MergeArgs, PartsArgs};
 use reading::ReadingArgs;
 use values::{graph_file, json_file, levels, picture_file, point, radius, whole};
 
@@ -105,6 +105,9 @@ pub enum Command {
     Parts(PartsArgs),
     /// Join the parts: the analysis that one machine would have made. Exit code 75: some are not done.
     Merge(MergeArgs),
+    /// Join the searches that `jobs --seeds` lists: one more job, which begins with what they found. Exit code 75: some are
+    /// not done.
+    Join(JoinArgs),
     /// Say what the daemon does in the folders.
     Status(StatusArgs),
     /// Open the page of a running daemon in the browser.

@@ -5,6 +5,7 @@ mod batching;
 mod beside;
 mod brief;
 mod installing;
+mod joining;
 pub mod library;
 mod limits;
 mod listing;
@@ -96,6 +97,7 @@ fn carry_out(command: Command, cancel: &Cancel) -> Result<u8, Error> {
         Command::RunJob(args) => batching::run_job(&args, cancel),
         Command::Parts(args) => parting::parts(&args),
         Command::Merge(args) => parting::merge(&args, cancel),
+        Command::Join(args) => joining::join(&args),
         Command::Status(args) => watching::status(&args),
         Command::Open(args) => installing::open(&args),
         Command::Service(args) => installing::service(&args),

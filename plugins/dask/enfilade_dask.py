@@ -318,6 +318,17 @@ def merge(listed: str | os.PathLike, program: str, options: list[str]) -> int:
         return ENVIRONMENT
 
 
+def joined(listed: str | os.PathLike, program: str) -> list[dict]:
+    """The jobs of `enfilade join`: each begins with what the searches of one drawing found. `ValueError` with its words."""
+    try:
+        ended = subprocess.run([program, "join", os.fspath(listed)], capture_output=True, text=True, encoding="utf-8")
+    except OSError as error:
+        raise ValueError(f"{program}: {error}") from error
+    if ended.returncode:
+        raise ValueError(ended.stderr.strip())
+    return [json.loads(line) for line in ended.stdout.splitlines()]
+
+
 def reach(address: str, secs: float) -> None:
     """Returns once the scheduler takes calls. `OSError` where it does not in that time, `ValueError` for no address."""
     from distributed.comm import get_address_host_port
@@ -395,6 +406,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="enfilade_dask", description=what, epilog=after)
     parser.add_argument("jobs", help="the file that `enfilade jobs … -o` or `enfilade parts … -o` wrote")
     parser.add_argument("--scheduler", help="tcp://HOST:PORT or tls://HOST:PORT; workers on this machine without it")
+    parser.add_argument("--join", action="store_true", help="at last one search more, which begins with what all found")
     parser.add_argument("--workers", type=int, default=None, help="how many, on this machine; one a core without it")
     parser.add_argument("--program", default="enfilade", help="the program on the workers")
     parser.add_argument("--no-share", action="store_true", help="machines share no folder: bytes travel with the jobs")
@@ -411,6 +423,8 @@ def main(argv: list[str] | None = None) -> int:
         return _refused(f"{args.jobs} cannot be read as a list of jobs: {error}")
     if not jobs:
         return _refused(f"{args.jobs} has no job in it, expected one a line, as `enfilade jobs` writes them")
+    if args.join and are_parts(jobs):
+        return _refused("--join: parts of an analysis are merged, searches are joined")
     wrong = _wrong_number(args) or (merging and not are_parts(jobs) and f"{merging[0]}: these jobs are not merged")
     if wrong:
         return _refused(wrong)
@@ -429,10 +443,20 @@ def main(argv: list[str] | None = None) -> int:
         print(f"{n}/{total} {Path(row.job['drawing']).name}: {words}", file=sys.stderr, flush=True)
 
     with _client(args) as client:
-        rows = run(
-            client, jobs, program=args.program, share=not args.no_share, threads=threads_of(args), resources=resources,
-            retries=args.retries, on_row=show,
-        )
+
+        def done(jobs):
+            return run(
+                client, jobs, program=args.program, share=not args.no_share, threads=threads_of(args),
+                resources=resources, retries=args.retries, on_row=show,
+            )
+
+        rows = done(jobs)
+        if args.join and all(row.finished for row in rows):
+            try:
+                rows += done(joined(args.jobs, args.program))
+            except ValueError as error:
+                print(f"enfilade_dask: the searches are done, and not joined: {error}", file=sys.stderr)
+                return LEFT_OUT
     if are_parts(jobs):
         if all(row.finished for row in rows):
             return merge(args.jobs, args.program, merging)

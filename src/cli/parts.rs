@@ -1,4 +1,4 @@
-//! `parts` and `merge`: one analysis on many machines.
+//! `parts` and `merge`: one analysis on many machines; `join`: one search.
 
 use std::path::PathBuf;
 
@@ -67,4 +67,23 @@ pub struct MergeArgs {
     /// Joining that takes longer by the clock, in seconds, is given up (else as `analyse`).
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub job_limit_secs: Option<f64>,
+}
+
+/// `join`.
+#[derive(Debug, Args)]
+pub struct JoinArgs {
+    /// The list that `jobs --seeds` wrote.
+    pub list: PathBuf,
+    /// The results lie below this folder instead of the one that the list names.
+    #[arg(long, value_name = "DIR")]
+    pub results: Option<PathBuf>,
+    /// Write the lines of searches that are not done, to be sent again.
+    #[arg(long, value_name = "FILE")]
+    pub missing: Option<PathBuf>,
+    /// Where the job goes; - or nothing for standard output.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Say nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }

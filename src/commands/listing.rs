@@ -1,8 +1,12 @@
 //! Lists for many machines: what may be listed, and where a list goes.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
+use super::absolute;
+use crate::batch::Job;
 use crate::output::{print, say};
+use crate::store::read_named;
 use enfilade_report::{Error, Place, Report, counted};
 
 /// Try again later: the exit code of `sysexits.h` that batch systems know.
@@ -37,4 +41,68 @@ pub(super) fn is_drawing(file: &Path, shown: &str, bytes: &[u8]) -> Result<(), E
         );
         Error::input("no-drawing", Place::file(shown), text)
     })
+}
+
+/// A line of a list of jobs.
+pub(super) struct ListedJob {
+    /// From 1.
+    pub line: usize,
+    pub text: String,
+    pub job: Job,
+}
+
+/// The jobs of a list, whose results lie `below` this folder where one is named; `code` says which list it should be.
+///
+/// # Errors
+/// [`Error::Input`] for a list that cannot be read, and for a line that is no job.
+pub(super) fn jobs_in(
+    list: &Path,
+    below: Option<&Path>,
+    code: &'static str,
+) -> Result<Vec<ListedJob>, Error> {
+    let refused = |text: String| {
+        Error::input(code, Place::file(list.to_string_lossy()), format!("{text}; nothing was written"))
+    };
+    let bytes = read_named(list).map_err(|e| refused(format!("cannot be read: {e}")))?;
+    let text = String::from_utf8(bytes).map_err(|_| refused("is no text, expected one job a line".into()))?;
+    let lines = text.lines().enumerate().filter(|(_, text)| !text.trim().is_empty());
+    let listed = |(line, text): (usize, &str)| {
+        let mut job = Job::from_json(text).map_err(|e| refused(format!("line {}: {e}", line + 1)))?;
+        if let Some(below) = below {
+            job.out = absolute(below);
+        }
+        Ok(ListedJob { line: line + 1, text: text.into(), job })
+    };
+    let found = lines.map(listed).collect::<Result<Vec<_>, Error>>()?;
+    if found.is_empty() {
+        return Err(refused("has no job in it, expected one a line".into()));
+    }
+    Ok(found)
+}
+
+/// `3, 7 to 9`, of ascending numbers.
+pub(super) fn numbers(all: &[u32]) -> String {
+    let mut runs: Vec<RangeInclusive<u32>> = Vec::new();
+    for &n in all {
+        match runs.last_mut() {
+            Some(last) if *last.end() + 1 == n => *last = *last.start()..=n,
+            _ => runs.push(n..=n),
+        }
+    }
+    let words = runs.iter().map(|r| match (r.start(), r.end()) {
+        (a, b) if a == b => a.to_string(),
+        (a, b) if a + 1 == *b => format!("{a}, {b}"),
+        (a, b) => format!("{a} to {b}"),
+    });
+    words.collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn numbers_are_said_in_runs() {
+        let said = |all: &[u32]| super::numbers(all);
+        assert_eq!(said(&[3, 7, 8, 9, 12, 13]), "3, 7 to 9, 12, 13");
+        assert_eq!(said(&[1]), "1");
+    }
 }

@@ -113,6 +113,7 @@ fn inputs_of(command: &Command) -> Vec<&Path> {
         Command::Jobs(a) => a.files.iter().map(PathBuf::as_path).collect(),
         Command::Parts(a) => vec![&a.file],
         Command::Merge(a) => vec![&a.list],
+        Command::Join(a) => vec![&a.list],
         Command::Watch(_)
         | Command::JobChild { .. }
         | Command::RunJob(_)
@@ -156,6 +157,10 @@ fn outputs_of(command: &Command) -> Vec<Output<'_>> {
         Command::Parts(a) => {
             push(&mut out, "--output", a.output.as_deref(), false);
             push_common(&mut out, &a.common);
+        }
+        Command::Join(a) => {
+            push(&mut out, "--missing", a.missing.as_deref(), false);
+            push(&mut out, "--output", a.output.as_deref(), false);
         }
         Command::Merge(a) => {
             push(&mut out, "--missing", a.missing.as_deref(), false);

@@ -1,14 +1,12 @@
 //! `parts` and `merge`: one large analysis on many machines. `run-job` does each part.
 
-use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::limits::Clock;
-use super::listing::{TRY_AGAIN, hand_lines, is_drawing};
+use super::listing::{ListedJob, TRY_AGAIN, hand_lines, is_drawing, jobs_in, numbers};
 use super::{absolute, analysed, open, outputs, settings_partial};
 use crate::batch::{FinishedPart, Job, PartOf};
 use crate::cli::{AnalyseArgs, Command, Common, MergeArgs, PartsArgs};
-use crate::store::read_named;
 use crate::worked::Work;
 use enfilade_config::{Backend, Partial, Settings};
 use enfilade_pipeline::{Input, Known, parts as pipeline_parts};
@@ -149,13 +147,10 @@ fn list_of(args: &MergeArgs) -> Result<Vec<Listed>, Error> {
     let refused = |text: String| {
         Error::input("parts-list", Place::file(&*shown), format!("{text}; nothing was written"))
     };
-    let bytes = read_named(&args.list).map_err(|e| refused(format!("cannot be read: {e}")))?;
-    let text =
-        String::from_utf8(bytes).map_err(|_| refused("is no text, expected a list of `parts`".into()))?;
     let mut list: Vec<Listed> = Vec::new();
-    for (line, text) in text.lines().enumerate().filter(|(_, text)| !text.trim().is_empty()) {
-        let found = listed(line + 1, text, args.parts.as_deref());
-        list.push(found.map_err(|why| refused(format!("line {}: {why}", line + 1)))?);
+    for found in jobs_in(&args.list, args.parts.as_deref(), "parts-list")? {
+        let line = found.line;
+        list.push(part_of(found).map_err(|why| refused(format!("line {line}: {why}")))?);
     }
     let Some(first) = list.first() else {
         return Err(refused("has no part in it, expected one a line, as `parts` writes them".into()));
@@ -184,16 +179,13 @@ fn list_of(args: &MergeArgs) -> Result<Vec<Listed>, Error> {
     Ok(list)
 }
 
-fn listed(line: usize, text: &str, below: Option<&Path>) -> Result<Listed, String> {
-    let mut job = Job::from_json(text).map_err(|e| e.to_string())?;
+fn part_of(found: ListedJob) -> Result<Listed, String> {
+    let ListedJob { line, text, job } = found;
     let part = job
         .part
         .clone()
         .ok_or("is a job of `jobs`, expected a part of an analysis, as `parts` lists them")?;
-    if let Some(below) = below {
-        job.out = absolute(below);
-    }
-    Ok(Listed { line, text: text.into(), job, part })
+    Ok(Listed { line, text, job, part })
 }
 
 fn described(l: &Listed) -> String {
@@ -215,31 +207,4 @@ fn not_done(list: &[Listed], missing: &[&Listed]) -> String {
          them); nothing was written",
         list.len()
     )
-}
-
-/// `3, 7 to 9`, of ascending numbers.
-fn numbers(all: &[u32]) -> String {
-    let mut runs: Vec<RangeInclusive<u32>> = Vec::new();
-    for &n in all {
-        match runs.last_mut() {
-            Some(last) if *last.end() + 1 == n => *last = *last.start()..=n,
-            _ => runs.push(n..=n),
-        }
-    }
-    let words = runs.iter().map(|r| match (r.start(), r.end()) {
-        (a, b) if a == b => a.to_string(),
-        (a, b) if a + 1 == *b => format!("{a}, {b}"),
-        (a, b) => format!("{a} to {b}"),
-    });
-    words.collect::<Vec<_>>().join(", ")
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn numbers_are_said_in_runs() {
-        let said = |all: &[u32]| super::numbers(all);
-        assert_eq!(said(&[3, 7, 8, 9, 12, 13]), "3, 7 to 9, 12, 13");
-        assert_eq!(said(&[1]), "1");
-    }
 }

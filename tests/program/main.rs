@@ -11,6 +11,8 @@ mod corrections;
 mod daemon;
 mod desk;
 mod jobs;
+mod joined;
+mod joined;
 mod limits;
 mod page;
 mod parsers;

@@ -150,7 +150,7 @@ impl Joining {
 
 fn put<T>(into: &mut [Option<T>], rows: Rows<T>) -> bool {
     let place = |(v, value): (u32, T)| into.get_mut(v as usize).is_some_and(|at| at.replace(value).is_none());
-    rows.into_iter().map(place).fold(true, |all, is_new| all && is_new)
+    rows.into_iter().all(place)
 }
 
 fn all_of<T>(values: Vec<Option<T>>) -> Option<Vec<T>> {
