@@ -12,7 +12,6 @@ mod daemon;
 mod desk;
 mod jobs;
 mod joined;
-mod joined;
 mod limits;
 mod page;
 mod parsers;
