@@ -175,16 +175,23 @@ impl Job {
     pub fn to_line(&self) -> Result<String, Error> {
         let mut value = serde_json::to_value(self)
             .map_err(|e| Error::environment("job", Place::default(), e.to_string()))?;
-        if let Some(settings) = value["settings"].as_object_mut() {
+        value["settings"] = self.settings_said();
+        Ok(value.to_string())
+    }
+
+    /// The settings that say something.
+    fn settings_said(&self) -> Value {
+        let mut value = serde_json::to_value(&self.settings).unwrap_or_default();
+        if let Some(settings) = value.as_object_mut() {
             settings.retain(|_, v| !v.is_null() && v.as_array().is_none_or(|a| !a.is_empty()));
         }
-        Ok(value.to_string())
+        value
     }
 
     /// Lower-case hexadecimal SHA-256 of everything that decides the result.
     fn id_of(&self) -> String {
         // Values of JSON with preserved order: the fields stand as declared.
-        let settings = serde_json::to_string(&self.settings).unwrap_or_default();
+        let settings = self.settings_said().to_string();
         let name = self.name();
         let mut parts = vec![enfilade_config::VERSION, &name, &self.sha256, &settings];
         parts.extend(self.beside.iter().flat_map(|f| [f.kind.name(), &f.name, &f.sha256]));
@@ -366,6 +373,8 @@ mod tests {
         let back = Job::from_json(&one.to_line().unwrap()).unwrap();
         assert_eq!(back, one);
         assert_eq!(back.bytes().unwrap(), b"abc");
+        let empty = job(&Partial { warm: Some(vec![]), ..partial.clone() }, b"abc", "plan.dxf");
+        assert_eq!(Job::from_json(&empty.to_line().unwrap()).unwrap().id, empty.id);
         let same = Partial { threads: Some(2), out: Some("elsewhere".into()), ..partial.clone() };
         assert_eq!(job(&same, b"abc", "y/plan.dxf").id, one.id);
         let other = Partial { seed: Some(4), ..partial.clone() };

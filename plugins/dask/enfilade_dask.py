@@ -451,12 +451,12 @@ def main(argv: list[str] | None = None) -> int:
             )
 
         rows = done(jobs)
-        if args.join and all(row.finished for row in rows):
+        not_joined = args.join and not all(row.finished for row in rows) and "some searches are not done"
+        if args.join and not not_joined:
             try:
                 rows += done(joined(args.jobs, args.program))
             except ValueError as error:
-                print(f"enfilade_dask: the searches are done, and not joined: {error}", file=sys.stderr)
-                return LEFT_OUT
+                not_joined = str(error)
     if are_parts(jobs):
         if all(row.finished for row in rows):
             return merge(args.jobs, args.program, merging)
@@ -466,7 +466,9 @@ def main(argv: list[str] | None = None) -> int:
     write_summary(rows, jobs[0]["out"])
     print(Path(jobs[0]["out"]) / "summary.html")
     print(digest_of(rows))
-    return DONE if all(row.finished for row in rows) else LEFT_OUT
+    if not_joined:
+        print(f"enfilade_dask: nothing was joined: {not_joined}", file=sys.stderr)
+    return DONE if all(row.finished for row in rows) and not not_joined else LEFT_OUT
 
 
 if __name__ == "__main__":

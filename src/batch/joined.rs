@@ -5,8 +5,9 @@ use crate::store::{led_to, read_own};
 use enfilade_config::Partial;
 use enfilade_overlay::result::RoundResult;
 
-/// Layouts that a joined search begins with, at most: the first options of all searches before the second ones.
-pub const KNOWN_MAX: usize = 64;
+/// Layouts that a joined search begins with, at most: the first options of all searches before the second ones. They are the
+/// first that it measures, and on large plans it measures 130 in all: most of them are to be new.
+pub const KNOWN_MAX: usize = 32;
 
 impl Job {
     /// What two searches have in common that can be joined: all but the seed, and what was known before.
@@ -26,9 +27,11 @@ impl Job {
     /// The job that begins with what some searches found; with the seed of this one.
     pub fn joined(&self, found: &[Vec<Vec<f64>>]) -> Self {
         let most = found.iter().map(Vec::len).max().unwrap_or(0);
+        let half = self.settings.evaluations.map_or(KNOWN_MAX as u64, |all| all / 2);
+        let room = KNOWN_MAX.min(usize::try_from(half).unwrap_or(KNOWN_MAX));
         let mut known: Vec<Vec<f64>> = Vec::new();
         for layout in (0..most).flat_map(|rank| found.iter().filter_map(move |options| options.get(rank))) {
-            if known.len() < KNOWN_MAX && !known.contains(layout) {
+            if known.len() < room && !known.contains(layout) {
                 known.push(layout.clone());
             }
         }
@@ -66,5 +69,8 @@ mod tests {
         assert_eq!(Job::from_json(&joined.to_line().unwrap()).unwrap(), joined);
         let many = (0..100).map(|i| of(&[f64::from(i)])).collect::<Vec<_>>();
         assert_eq!(job(3, 5).joined(&many).settings.warm.map(|w| w.len()), Some(KNOWN_MAX));
+        let mut few = job(3, 5);
+        few.settings.evaluations = Some(10);
+        assert_eq!(few.joined(&many).settings.warm.map(|w| w.len()), Some(5));
     }
 }

@@ -14,7 +14,7 @@ struct Idle {
 }
 
 /// Every such option; help, manual, completions and the refusal all go by it.
-const IDLE: [Idle; 14] = [
+const IDLE: [Idle; 16] = [
     Idle {
         command: "check",
         option: "out",
@@ -44,6 +44,16 @@ const IDLE: [Idle; 14] = [
     },
     Idle { command: "parts", option: "threads", instead: "each machine gives its own to `run-job`" },
     Idle { command: "parts", option: "backend", instead: "parts are measured on the cores" },
+    Idle {
+        command: "parts",
+        option: "read_limit_secs",
+        instead: "the system that does the lines ends what is too long",
+    },
+    Idle {
+        command: "parts",
+        option: "job_limit_secs",
+        instead: "the system that does the lines ends what is too long",
+    },
     Idle { command: "parts", option: "progress", instead: "how many parts are done says how far it is" },
 ];
 

@@ -35,7 +35,7 @@ const EXIT_STATUS: [(&str, &str); 8] = [
     ("3", "Bad usage or settings."),
     ("4", "The environment failed: disk, permission, device."),
     ("5", "A limit of time or memory ended it; results are not complete."),
-    ("75", r"Try again later (\fBrun\-job\fR)."),
+    ("75", r"Try again later (\fBrun\-job\fR); some are not done (\fBmerge\fR, \fBjoin\fR)."),
     ("130", r"Stopped by the user; \fBrun\fR leaves its best so far."),
 ];
 /// The same in the words of the help.

@@ -17,7 +17,7 @@ pub(super) fn join(args: &JoinArgs) -> Result<u8, Error> {
     let list = jobs_in(&args.list, args.results.as_deref(), "jobs-list")?;
     if let Some(part) = list.iter().find(|l| l.job.part.is_some()) {
         let text =
-            format!("line {}: is a part of an analysis, which `merge` joins; nothing was done", part.line);
+            format!("line {}: is a part of an analysis, which `merge` joins; nothing was joined", part.line);
         return Err(Error::input("jobs-list", Place::file(args.list.to_string_lossy()), text));
     }
     let (mut all, mut missing): (Vec<Joined>, Vec<(usize, &str)>) = Default::default();
@@ -39,13 +39,18 @@ pub(super) fn join(args: &JoinArgs) -> Result<u8, Error> {
     if !missing.is_empty() {
         let lines: Vec<u32> = missing.iter().map(|(line, _)| *line as u32).collect();
         complain(format_args!(
-            "error: {} of {} not done, or damaged: do line {} of the list with `run-job` (--missing writes them); nothing \
-             was joined",
+            "error: {} of {} not done, or damaged: do {} {} of the list with `run-job` (--missing writes them); nothing was \
+             joined",
             counted(missing.len() as u64, "search"),
             list.len(),
+            if lines.len() == 1 { "line" } else { "lines" },
             numbers(&lines)
         ));
         return Ok(TRY_AGAIN);
+    }
+    if let Some(empty) = all.iter().find(|j| j.found.iter().all(Vec::is_empty)) {
+        let text = "none of these searches found an option, and none would begin with more than they knew; nothing was joined";
+        return Err(Error::input("jobs-list", Place::file(empty.first.name()), text));
     }
     let mut lines = String::new();
     for joined in &all {

@@ -60,11 +60,10 @@ pub(super) fn jobs_in(
     below: Option<&Path>,
     code: &'static str,
 ) -> Result<Vec<ListedJob>, Error> {
-    let refused = |text: String| {
-        Error::input(code, Place::file(list.to_string_lossy()), format!("{text}; nothing was written"))
-    };
-    let bytes = read_named(list).map_err(|e| refused(format!("cannot be read: {e}")))?;
-    let text = String::from_utf8(bytes).map_err(|_| refused("is no text, expected one job a line".into()))?;
+    let refused = |text: String| Error::input(code, Place::file(list.to_string_lossy()), text);
+    let bytes = read_named(list).map_err(|e| refused(format!("cannot be read: {e}; nothing was done")))?;
+    let text = String::from_utf8(bytes)
+        .map_err(|_| refused("is no text, expected one job a line; nothing was done".into()))?;
     let lines = text.lines().enumerate().filter(|(_, text)| !text.trim().is_empty());
     let listed = |(line, text): (usize, &str)| {
         let mut job = Job::from_json(text).map_err(|e| refused(format!("line {}: {e}", line + 1)))?;
@@ -75,7 +74,7 @@ pub(super) fn jobs_in(
     };
     let found = lines.map(listed).collect::<Result<Vec<_>, Error>>()?;
     if found.is_empty() {
-        return Err(refused("has no job in it, expected one a line".into()));
+        return Err(refused("has no job in it, expected one a line; nothing was done".into()));
     }
     Ok(found)
 }

@@ -254,3 +254,15 @@ fn what_is_no_file_is_never_waited_for() {
     let done = enfilade(&["check", &large.to_string_lossy()]);
     assert!(text(&done.stderr).contains("expected at most 2048 MB"), "{}", text(&done.stderr));
 }
+
+/// A measure that is an objective and asked for by name too has one picture.
+#[test]
+fn an_objective_that_is_asked_for_by_name_is_drawn_once() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy(sample("gallery.dxf"), folder.path().join("gallery.dxf")).unwrap();
+    std::fs::write(folder.path().join("enfilade.toml"), "objective = \"isovist-area max 0.7\"\n").unwrap();
+    let gallery = folder.path().join("gallery.dxf").to_string_lossy().into_owned();
+    let done = enfilade(&["analyse", &gallery, "--spacing", "1", "--measures", "isovist"]);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    assert!(folder.path().join("gallery.enfilade/analysis/isovist-area.png").is_file());
+}

@@ -44,7 +44,7 @@ fn searches_are_joined_into_one_that_begins_with_what_they_found() {
     let dir = dir.path();
     fs::copy(enfilade_fixtures::repository("samples/maze.dxf"), dir.join("maze.dxf")).unwrap();
     let raw =
-        ["--raw", "--no-pictures", "--evaluations", "40", "--spacing", "2", "--objective", "degree max 0.5"];
+        ["--raw", "--no-pictures", "--evaluations", "40", "--spacing", "1", "--objective", "degree max 0.5"];
     let list = ["jobs", "maze.dxf", "--seeds", "3,1,2", "-o", "searches.jsonl", "-q"];
     assert!(enfilade(dir, &[&list[..], &raw].concat(), "").status.success());
     let jobs = fs::read_to_string(dir.join("searches.jsonl")).unwrap();

@@ -158,7 +158,7 @@ fn what_is_no_list_of_one_analysis_is_refused() {
     let rounds = String::from_utf8(rounds.stdout).unwrap();
     let changed = lines[1].replace("\"count\":2", "\"count\":3");
     for (content, words) in [
-        (String::new(), "has no part in it"),
+        (String::new(), "has no job in it"),
         (lines[1].clone(), "has no line of part 1 of 2"),
         (format!("{}\n{}\n", lines[0], other[1]), "line 2 is of another analysis"),
         (rounds, "line 1: is a job of `jobs`"),

@@ -1,5 +1,7 @@
 //! `analyse`: the present layout measured, of a building every storey.
 
+use std::path::PathBuf;
+
 use crate::job::{Input, Job, Outcome};
 use crate::measure::known::{Forest, Known};
 use crate::measure::study::Study;
@@ -101,7 +103,10 @@ pub fn add_columns(
     outcome: &mut Outcome<AnalysisResult>,
 ) -> Result<(), Error> {
     if settings.pictures {
-        outcome.files.extend(column_pictures(Job { input, settings }, study, measured)?);
+        // A measure that is an objective too has its picture.
+        let there: Vec<PathBuf> = outcome.files.iter().map(|f| f.path.clone()).collect();
+        let pictures = column_pictures(Job { input, settings }, study, measured)?;
+        outcome.files.extend(pictures.into_iter().filter(|p| !there.contains(&p.path)));
     }
     outcome.result.columns = cells::means(study, measured);
     tell_anew(outcome)

@@ -190,7 +190,7 @@ impl Spread {
         } else {
             b
         };
-        Some(if moves(m) { m } else { a + b - m })
+        Some([m, a, b].into_iter().find(|&m| moves(m)).unwrap_or(b))
     }
 
     /// Member `m` goes to the archive point inside that stands farthest off. New points were compared

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from test_dask import PROGRAM, ROOT
 
-SEARCH = ["--raw", "--no-pictures", "--evaluations", "40", "--spacing", "2", "--objective", "degree max 0.5"]
+SEARCH = ["--raw", "--no-pictures", "--evaluations", "40", "--spacing", "1", "--objective", "degree max 0.5"]
 
 
 def listed(folder):

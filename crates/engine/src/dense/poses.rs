@@ -9,11 +9,11 @@ use std::sync::Arc;
 use super::{Dense, Moving};
 use crate::geometry::Segment;
 
-/// Words that the shadows of one thread hold, at most: 4 MiB stay near the processor.
-const WORDS_MAX: usize = 1 << 19;
+/// Words that the shadows of one lattice in one thread hold, at most, 2 MiB: some dozens of chains on a small plan.
+const WORDS_MAX: usize = 1 << 18;
 
 /// Chains remembered to have come once.
-const ONCE_MAX: usize = 4096;
+const ONCE_MAX: usize = 1024;
 
 /// Segments of a chain, at most: a longer one seldom comes as a whole again.
 const CHAIN_MAX: usize = 16;
@@ -32,7 +32,7 @@ struct Span {
     lines: u16,
 }
 
-/// See the module page. Buffers of one thread.
+/// See the module page. Buffers of one lattice in one thread.
 #[derive(Default)]
 pub(super) struct Poses {
     /// Whose views they are.
@@ -84,7 +84,10 @@ impl Poses {
     pub fn keep(&mut self, chain: &[Moving], pose: Pose) -> Arc<Pose> {
         let pose = Arc::new(pose);
         self.words += pose.size();
-        self.kept.insert(key(chain), (self.clock, Arc::clone(&pose)));
+        // The same chain may stand twice in a layout.
+        if let Some((_, before)) = self.kept.insert(key(chain), (self.clock, Arc::clone(&pose))) {
+            self.words -= before.size();
+        }
         while self.words > WORDS_MAX {
             let oldest = self.kept.iter().min_by_key(|(_, (used, _))| *used).map(|(key, _)| key.clone());
             let Some((_, gone)) = oldest.and_then(|key| self.kept.remove(&key)) else { break };

@@ -44,11 +44,13 @@ pub(crate) fn choose(study: &mut Study, backend: Backend, input: &Input<'_>, rep
             report.warn("backend-software", place, text);
         }
         Ok(()) if is_auto => match study.card_pays() {
-            Ok(true) => report.info("backend", place, format!("{name} measures the layouts")),
-            Ok(false) => {
-                study.detach();
+            // One note for both: which it is hangs on the moment, and the same job says the same.
+            Ok(pays) => {
+                if !pays {
+                    study.detach();
+                }
                 let text = format!(
-                    "the cores measure the layouts: {name} took as long for some or longer (--backend gpu takes it all the same)"
+                    "{name} or the cores measure the layouts, whichever took less time for some (--backend gpu or cpu decides)"
                 );
                 report.info("backend", place, text);
             }

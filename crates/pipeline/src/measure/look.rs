@@ -65,7 +65,8 @@ impl Look {
         report: &mut Report,
     ) -> Result<Self, Error> {
         // Why there is none the backend says.
-        let card = (settings.backend == Backend::Gpu).then(|| Gpu::shared(true).ok()).flatten();
+        let is_asked = settings.backend == Backend::Gpu && matches!(use_for, Use::Search(None));
+        let card = is_asked.then(|| Gpu::shared(true).ok()).flatten();
         let use_for = (use_for, over, card.as_ref());
         let main = Scene::new(ground, base, identity, asked(settings, None), use_for, report)?;
         let pairs = pairs(base, ground, identity, settings, use_for, report)?;
