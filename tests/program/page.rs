@@ -687,7 +687,7 @@ fn a_browser_is_led_where_nobody_was_before() {
 #[test]
 fn a_browser_does_every_action() {
     let Some(modules) = modules() else { return };
-    let daemon = start_with("gallery.dxf", "seed = 2\n[watch]\ndepth = 1\n");
+    let daemon = start_with("gallery.dxf", "seed = 3\n[watch]\ndepth = 1\n");
     fs::copy(daemon.plans().join("gallery.dxf"), daemon.plans().join("<img src=x onerror=alert(1)>.dxf"))
         .unwrap();
     daemon.until_done("gallery.dxf");
