@@ -37,7 +37,7 @@ def house():
         screen,
     ]
     study = Study("test", "doc", walls, [Column("C", "Säule", ring, clauses=[Clause("x", -500, 500)])])
-    study.wishes.evaluations = 200
+    study.wishes.evaluations = 300
     study.wishes.members = 2
     return study
 
