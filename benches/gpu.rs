@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench gpu [-- software] [-- million]`. Processor milliseconds of the whole process and milliseconds by the
 //! clock, the least of some runs, results compared with `==` first. Takes the graphics card, or with `software` whatever
-//! adapter there is; says why if there is none. A software adapter imitates a card on the cores: its figures say nothing of
+//! adapter there is; says why where none answers. A software adapter imitates a card on the cores: its figures say nothing of
 //! a card. With one, 10,000 to a million cells have all their roots, otherwise as many as the row says.
 
 #![allow(clippy::expect_used)]
@@ -19,7 +19,7 @@ use enfilade_engine::visibility::visibility_graph;
 use enfilade_engine::{Lattice, Obstacles};
 use rustix::time::{ClockId, clock_gettime};
 
-/// Runs of which the least is told.
+/// Runs of which the least counts.
 const RUNS: usize = 5;
 
 fn main() {

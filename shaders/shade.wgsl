@@ -1,8 +1,8 @@
 // Stage "shade": what the moving walls of a layout leave of what is seen without them. Twin of
 // crates/engine/src/visibility.rs.
 //
-// One invocation holds the cells of a tile that one viewer sees against all walls of a pass; eight are those of a square. Coordinates are whole
-// micrometres from the middle of the plan, within ±2^30; cross products have 64 bits in two words.
+// One invocation holds the cells of a tile that one viewer sees against all walls of a pass; eight are those of a square.
+// Coordinates are whole micrometres from the middle of the plan, within ±2^30; cross products have 64 bits in two words.
 
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read> rows: array<u32>;

@@ -2,7 +2,8 @@
 //!
 //! A job is content-addressed: its id is the SHA-256 of the program's version, the drawing's name and bytes
 //! and the settings. The same id means the same result, so that it is done once wherever results are shared,
-//! and may be done again anywhere without harm. A job makes a round, or measures a part of an analysis. Results lie in `OUT/<id>/result/`, whole or not at all.
+//! and may be done again anywhere without harm. A job makes a round, or measures a part of an analysis. Results lie in
+//! `OUT/<id>/result/`, whole or not at all.
 
 mod beside;
 mod joined;
@@ -24,7 +25,6 @@ use enfilade_config::{Beside, Partial, Settings};
 use enfilade_overlay::result::{RoundResult, to_json};
 use enfilade_pipeline::Outcome;
 use enfilade_report::{Error, OutFile, Place};
-pub use joined::KNOWN_MAX;
 pub use part::{FinishedPart, PART_SCHEMA, PartOf};
 
 /// `schema` of a [`Job`].

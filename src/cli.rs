@@ -5,6 +5,7 @@ mod idle;
 mod manual;
 mod parts;
 mod reading;
+mod tables;
 mod values;
 
 use std::io::Write as _;
@@ -22,6 +23,7 @@ use enfilade_report::complain;
 pub use manual::man;
 pub use parts::{JoinArgs, MergeArgs, PartsArgs};
 use reading::ReadingArgs;
+pub use tables::TableArgs;
 use values::{graph_file, json_file, levels, picture_file, point, radius, whole};
 
 /// From an architect's drawing to a diverse set of better layouts, and back.
@@ -250,15 +252,9 @@ pub struct AnalyseArgs {
     /// Estimate depth, entropy and integration from about N cells, with confidence intervals.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..))]
     pub roots: Option<u64>,
-    /// Step depth from this point of the drawing, drawing units; repeatable.
-    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
-    pub step_from: Vec<[f64; 2]>,
-    /// Every cell with all its measures as CSV or GeoJSON; - is standard output, as CSV.
-    #[arg(long, value_name = "OUT.csv|OUT.geojson")]
-    pub cells: Option<PathBuf>,
-    /// Every pair of cells that see each other as CSV or GeoJSON; - is standard output, as CSV.
-    #[arg(long, value_name = "OUT.csv|OUT.geojson")]
-    pub edges: Option<PathBuf>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub tables: TableArgs,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,

@@ -200,7 +200,8 @@ fn analyse(args: &AnalyseArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Err
     analysed(args, Input::new(&path, &bytes, 1), (settings, out), None, (clock, cancel))
 }
 
-/// The analysis of a drawing; of what is `known` from parts nothing is measured again.
+/// The analysis of a drawing; tables and pictures of cells take what is `known` from parts. Aims that need more than trees
+/// are measured again.
 fn analysed(
     args: &AnalyseArgs,
     input: Input<'_>,
@@ -210,29 +211,30 @@ fn analysed(
 ) -> Result<u8, Error> {
     let placing = Placing { out_dir: out.as_deref().map(named_folder), fallback_dir: None };
     let home = Home::open(Arc::new(SystemDisk), &led_beside(&absolute(&args.file)), &placing)?;
-    let tables_said = [&args.cells, &args.edges].into_iter().flatten().any(|to| is_standard_output(to));
+    let tables_said =
+        [&args.tables.cells, &args.tables.edges].into_iter().flatten().any(|to| is_standard_output(to));
     let is_told = args.common.json.is_some() || !args.common.quiet && !tables_said;
     let depth = enfilade_pipeline::Depth { roots: roots_of(args), intervals: is_told, known };
     let (mut outcome, study) = enfilade_pipeline::on_threads(&settings, || {
         enfilade_pipeline::analyse_with(&input, &settings, depth, &mut || clock.is_read(), cancel)
     })?;
-    let wants_pictures = !args.measures.is_empty() || !args.step_from.is_empty();
+    let wants_pictures = !args.measures.is_empty() || !args.tables.step_from.is_empty();
     let mut tables = Vec::new();
-    if args.cells.is_some() || wants_pictures {
+    if args.tables.cells.is_some() || wants_pictures {
         let measured = enfilade_pipeline::on_threads(&settings, || {
             enfilade_pipeline::cells::measure_cells(&study, &cell_options(args, &settings))
         })?;
         if wants_pictures {
             enfilade_pipeline::add_columns(&input, &settings, (&study, &measured), &mut outcome)?;
         }
-        if let Some(to) = &args.cells {
+        if let Some(to) = &args.tables.cells {
             let cells = cells(&study, measured.columns);
             let write = if outputs::is_geojson(to) { cells_geojson } else { cells_csv };
             let table = write(&study, &cells);
             tables.push((to, table));
         }
     }
-    if let Some(to) = &args.edges {
+    if let Some(to) = &args.tables.edges {
         let is_geojson = outputs::is_geojson(to);
         tables.push((to, if is_geojson { edges_geojson(&study) } else { edges_csv(&study) }));
     }
@@ -317,7 +319,7 @@ fn cell_options(args: &AnalyseArgs, settings: &Settings) -> CellOptions {
         measures: args.measures.iter().map(|m| m.trim().to_string()).filter(|m| !m.is_empty()).collect(),
         radius: args.radius,
         roots: roots_of(args),
-        step_from: args.step_from.clone(),
+        step_from: args.tables.step_from.clone(),
         seed: settings.seed,
     }
 }

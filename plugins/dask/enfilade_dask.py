@@ -1,7 +1,7 @@
 """Many drawings, storeys and seeds, or one large analysis, on many machines: `enfilade run-job` under Dask distributed.
 
-The jobs are those of `enfilade jobs` or the parts of `enfilade parts`: each carries an id that is the hash of everything that decides its
-result, so that a job which is done twice, by a worker that died or came late, leaves the same bytes once.
+The jobs are those of `enfilade jobs` or the parts of `enfilade parts`: each carries an id that is the hash of everything
+that decides its result, so that a job which is done twice, by a worker that died or came late, leaves the same bytes once.
 """
 
 from __future__ import annotations

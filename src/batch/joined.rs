@@ -7,7 +7,7 @@ use enfilade_overlay::result::RoundResult;
 
 /// Layouts that a joined search begins with, at most: the first options of all searches before the second ones. They are the
 /// first that it measures, and on large plans it measures 130 in all: most of them are to be new.
-pub const KNOWN_MAX: usize = 32;
+const KNOWN_MAX: usize = 32;
 
 impl Job {
     /// What two searches have in common that can be joined: all but the seed, and what was known before.

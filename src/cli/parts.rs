@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::values::{json_file, point, radius, whole};
-use super::{Common, seconds};
+use super::values::{json_file, radius, whole};
+use super::{Common, TableArgs, seconds};
 
 /// `parts`.
 #[derive(Debug, Args)]
@@ -43,15 +43,9 @@ pub struct MergeArgs {
     /// Write the lines of parts that are not done, to be sent again.
     #[arg(long, value_name = "FILE")]
     pub missing: Option<PathBuf>,
-    /// Step depth from this point of the drawing, drawing units; repeatable.
-    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
-    pub step_from: Vec<[f64; 2]>,
-    /// Every cell with all its measures as CSV or GeoJSON; - is standard output, as CSV.
-    #[arg(long, value_name = "OUT.csv|OUT.geojson")]
-    pub cells: Option<PathBuf>,
-    /// Every pair of cells that see each other as CSV or GeoJSON; - is standard output, as CSV.
-    #[arg(long, value_name = "OUT.csv|OUT.geojson")]
-    pub edges: Option<PathBuf>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub tables: TableArgs,
     /// Threads; all cores by default. Never changes the result.
     #[arg(long, value_name = "N", value_parser = whole::<usize>)]
     pub threads: Option<usize>,

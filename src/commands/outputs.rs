@@ -57,7 +57,7 @@ pub(super) fn is_geojson(to: &Path) -> bool {
 
 /// Tables are CSV or GeoJSON: another ending would promise another format.
 fn judge_tables(args: &AnalyseArgs) -> Result<(), Error> {
-    for (name, to) in [("--cells", &args.cells), ("--edges", &args.edges)] {
+    for (name, to) in [("--cells", &args.tables.cells), ("--edges", &args.tables.edges)] {
         let Some(to) = to.as_deref().filter(|to| !is_standard_output(to)) else { continue };
         if !is_geojson(to) && !to.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
             let text = format!(
@@ -73,7 +73,8 @@ fn judge_tables(args: &AnalyseArgs) -> Result<(), Error> {
 /// Standard output takes one of the tables or the result, not several.
 fn judge_standard_output(args: &AnalyseArgs) -> Result<(), Error> {
     let named =
-        [("--cells", &args.cells), ("--edges", &args.edges), ("--json", &args.common.json)].into_iter();
+        [("--cells", &args.tables.cells), ("--edges", &args.tables.edges), ("--json", &args.common.json)]
+            .into_iter();
     let there: Vec<&str> =
         named.filter(|(_, to)| to.as_deref().is_some_and(is_standard_output)).map(|n| n.0).collect();
     if there.len() > 1 {
@@ -136,8 +137,8 @@ fn outputs_of(command: &Command) -> Vec<Output<'_>> {
             push_common(&mut out, &a.common);
         }
         Command::Analyse(a) => {
-            push(&mut out, "--cells", a.cells.as_deref(), false);
-            push(&mut out, "--edges", a.edges.as_deref(), false);
+            push(&mut out, "--cells", a.tables.cells.as_deref(), false);
+            push(&mut out, "--edges", a.tables.edges.as_deref(), false);
             push_common(&mut out, &a.common);
         }
         Command::Resolution(a) => push_common(&mut out, &a.common),
@@ -164,8 +165,8 @@ fn outputs_of(command: &Command) -> Vec<Output<'_>> {
         }
         Command::Merge(a) => {
             push(&mut out, "--missing", a.missing.as_deref(), false);
-            push(&mut out, "--cells", a.cells.as_deref(), false);
-            push(&mut out, "--edges", a.edges.as_deref(), false);
+            push(&mut out, "--cells", a.tables.cells.as_deref(), false);
+            push(&mut out, "--edges", a.tables.edges.as_deref(), false);
             push(&mut out, "--json", a.json.as_deref(), false);
             push(&mut out, "--out", a.out.as_deref(), true);
         }

@@ -118,9 +118,7 @@ fn analyse_args(args: &MergeArgs, job: &Job, part: &PartOf) -> AnalyseArgs {
         measures: part.measures.clone(),
         radius: part.radius,
         roots: None,
-        step_from: args.step_from.clone(),
-        cells: args.cells.clone(),
-        edges: args.edges.clone(),
+        tables: args.tables.clone(),
         common: Common {
             threads: args.threads,
             out: args.out.clone(),

@@ -10,7 +10,13 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 
 fn enfilade(args: &[&str], input: &str) -> Output {
+    enfilade_in(Path::new("."), args, input)
+}
+
+/// What the program says in a folder to arguments and its standard input.
+pub fn enfilade_in(folder: &Path, args: &[&str], input: &str) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_enfilade"))
+        .current_dir(folder)
         .args(args)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

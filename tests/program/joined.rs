@@ -3,24 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::fs;
-use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 
 use serde_json::Value;
 
-fn enfilade(dir: &Path, args: &[&str], input: &str) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_enfilade"))
-        .current_dir(dir)
-        .args(args)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
-    child.wait_with_output().unwrap()
-}
+use super::jobs::enfilade_in as enfilade;
 
 fn lines(output: &Output) -> Vec<Value> {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -78,7 +66,7 @@ fn searches_are_joined_into_one_that_begins_with_what_they_found() {
     let last = result(dir, &joined[0]);
     assert!(last["best"]["mean"]["degree"].as_f64().unwrap_or_else(|| degree(&last)) >= best - 1e-12);
 
-    // A damaged result is none.
+    // A damaged result does not count.
     let damaged = jobs[0].parse::<Value>().unwrap()["id"].as_str().unwrap().to_owned();
     fs::write(dir.join("enfilade-jobs").join(damaged).join("result/result.json"), "{}").unwrap();
     assert_eq!(enfilade(dir, &join, "").status.code(), Some(75));

@@ -313,8 +313,8 @@ impl Dense {
         packed.resize(self.stride * 8 + 1, 0);
         near.resize(segments.len() + 1, 0);
         let poses::Sorted { mut known, again, mut new } = poses.sort(self.id, segments);
-        for chain in again {
-            known.push(poses.keep(chain, self.pose(chain, near, view)));
+        for (key, chain) in again {
+            known.push(poses.keep(key, self.pose(chain, near, view)));
         }
         lowest_first(&mut new);
         for v in 0..self.viewers.len() {
@@ -338,7 +338,7 @@ impl Dense {
     fn pose(&self, chain: &[Moving], near: &mut [u32], view: &mut Vec<u64>) -> Pose {
         let mut segments = chain.to_vec();
         lowest_first(&mut segments);
-        let mut pose = Pose::of(self.viewers.len());
+        let mut pose = Pose::with_room(self.viewers.len());
         for v in 0..self.viewers.len() {
             self.shade(v, (&[], &segments), near, view);
             pose.add(self, &self.fixed[v * self.view_words()..][..self.view_words()], view);

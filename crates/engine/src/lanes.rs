@@ -405,6 +405,59 @@ impl Path {
     }
 }
 
+/// The `walk` of a walker with a `walk_in` that is generic over [`Rows`]: as wide as the processor of `paths` allows. Rows of
+/// eight are those of AVX2 under AVX-512 too, which then compiles the rest of the walk.
+macro_rules! walk_by_rows {
+    ($(#[$doc:meta])* $beyond:ty) => {
+        $(#[$doc])*
+        pub fn walk(
+            &mut self,
+            paths: &Paths<'_>,
+            corners: Option<&Corners<$beyond>>,
+            roots: &[u32],
+            radius: f64,
+        ) {
+            match paths.path {
+                // SAFETY: a path is only made for a processor that has its instructions.
+                #[cfg(target_arch = "x86_64")]
+                #[allow(unsafe_code)]
+                $crate::lanes::Path::Avx512 => unsafe { self.walk_avx512(paths, corners, roots, radius) },
+                #[cfg(target_arch = "x86_64")]
+                #[allow(unsafe_code)]
+                $crate::lanes::Path::Avx2 => unsafe { self.walk_avx2(paths, corners, roots, radius) },
+                $crate::lanes::Path::Portable => {
+                    self.walk_in::<$crate::lanes::Portable>(paths, corners, roots, radius);
+                }
+            }
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx512f,avx512dq,avx2,popcnt,bmi1,bmi2")]
+        fn walk_avx512(
+            &mut self,
+            paths: &Paths<'_>,
+            corners: Option<&Corners<$beyond>>,
+            roots: &[u32],
+            radius: f64,
+        ) {
+            self.walk_in::<$crate::lanes::x86::Avx2>(paths, corners, roots, radius);
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
+        fn walk_avx2(
+            &mut self,
+            paths: &Paths<'_>,
+            corners: Option<&Corners<$beyond>>,
+            roots: &[u32],
+            radius: f64,
+        ) {
+            self.walk_in::<$crate::lanes::x86::Avx2>(paths, corners, roots, radius);
+        }
+    };
+}
+pub(super) use walk_by_rows;
+
 #[cfg(test)]
 mod tests {
     use super::*;

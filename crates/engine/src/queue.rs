@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 
 use super::paths::Paths;
 
-/// Bands that are told apart; what costs more waits in the last one.
+/// Bands of cost, at most; what costs more waits in the last one.
 const BANDS_MAX: usize = 1 << 16;
 
 /// Cost in the bits of a non-negative f32 above the vertex: sorts by cost, then vertex.

@@ -6,10 +6,7 @@
 //! run along the same cells.
 
 use super::corners::{Away, Corners, List, NOTHING};
-use super::lanes::Path;
-#[cfg(target_arch = "x86_64")]
-use super::lanes::x86::Avx2;
-use super::lanes::{Portable, ROW, Rows, known_in, next_row};
+use super::lanes::{ROW, Rows, known_in, next_row, walk_by_rows};
 use super::offsets::{length_of, turn};
 use super::paths::Paths;
 use super::queue::{Queue, cost_of};
@@ -66,38 +63,11 @@ impl Shortest {
         }
     }
 
-    /// Walks from some slots; costs beyond `radius` need not be the lowest. Corners pay where many roots share them; the
-    /// lengths are the same up to rounding.
-    pub fn walk(&mut self, paths: &Paths<'_>, corners: Option<&Corners<Away>>, roots: &[u32], radius: f64) {
-        match paths.path {
-            // SAFETY: a path is only made for a processor that has its instructions.
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code)]
-            Path::Avx512 => unsafe { self.walk_avx512(paths, corners, roots, radius) },
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code)]
-            Path::Avx2 => unsafe { self.walk_avx2(paths, corners, roots, radius) },
-            Path::Portable => self.walk_in::<Portable>(paths, corners, roots, radius),
-        }
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,avx2,popcnt,bmi1,bmi2")]
-    fn walk_avx512(
-        &mut self,
-        paths: &Paths<'_>,
-        corners: Option<&Corners<Away>>,
-        roots: &[u32],
-        radius: f64,
-    ) {
-        self.walk_in::<Avx2>(paths, corners, roots, radius);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
-    fn walk_avx2(&mut self, paths: &Paths<'_>, corners: Option<&Corners<Away>>, roots: &[u32], radius: f64) {
-        self.walk_in::<Avx2>(paths, corners, roots, radius);
-    }
+    walk_by_rows!(
+        /// Walks from some slots; costs beyond `radius` need not be the lowest. Corners pay where many roots share them; the
+        /// lengths are the same up to rounding.
+        Away
+    );
 
     #[inline(always)]
     fn walk_in<R: Rows>(

@@ -1,14 +1,11 @@
 //! Straightest paths from one cell to all others, in the order of their turns.
 //!
-//! A cell offers a way to the cells to which the way there leads on, by the lists of [`Corners`]. Where there are no lists a cell goes through what it sees and its predecessor does not: costs lie
-//! by slot (64 to a tile), so that a row of eight cells of a tile is one register, with directions from a table whose rows
-//! run along the same cells.
+//! A cell offers a way to the cells to which the way there leads on, by the lists of [`Corners`]. Where there are no lists
+//! a cell goes through what it sees and its predecessor does not: costs lie by slot (64 to a tile), so that a row of eight
+//! cells of a tile is one register, with directions from a table whose rows run along the same cells.
 
 use super::corners::{Corners, List, NOTHING, Turned};
-use super::lanes::Path;
-#[cfg(target_arch = "x86_64")]
-use super::lanes::x86::Avx2;
-use super::lanes::{Portable, ROW, Rows, known_in, next_row};
+use super::lanes::{ROW, Rows, known_in, next_row, walk_by_rows};
 use super::offsets::{direction_of, turn};
 use super::paths::Paths;
 use super::queue::{Queue, cost_of};
@@ -72,43 +69,10 @@ impl Straightest {
         }
     }
 
-    /// Walks from some slots; costs beyond `radius` need not be the lowest. Corners pay where many roots share them.
-    pub fn walk(&mut self, paths: &Paths<'_>, corners: Option<&Corners<Turned>>, roots: &[u32], radius: f64) {
-        match paths.path {
-            // SAFETY: a path is only made for a processor that has its instructions.
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code)]
-            Path::Avx512 => unsafe { self.walk_avx512(paths, corners, roots, radius) },
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code)]
-            Path::Avx2 => unsafe { self.walk_avx2(paths, corners, roots, radius) },
-            Path::Portable => self.walk_in::<Portable>(paths, corners, roots, radius),
-        }
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,avx2,popcnt,bmi1,bmi2")]
-    fn walk_avx512(
-        &mut self,
-        paths: &Paths<'_>,
-        corners: Option<&Corners<Turned>>,
-        roots: &[u32],
-        radius: f64,
-    ) {
-        self.walk_in::<Avx2>(paths, corners, roots, radius);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
-    fn walk_avx2(
-        &mut self,
-        paths: &Paths<'_>,
-        corners: Option<&Corners<Turned>>,
-        roots: &[u32],
-        radius: f64,
-    ) {
-        self.walk_in::<Avx2>(paths, corners, roots, radius);
-    }
+    walk_by_rows!(
+        /// Walks from some slots; costs beyond `radius` need not be the lowest. Corners pay where many roots share them.
+        Turned
+    );
 
     #[inline(always)]
     fn walk_in<R: Rows>(

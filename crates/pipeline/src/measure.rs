@@ -12,7 +12,7 @@ pub(crate) mod lattices;
 pub(crate) mod limits;
 pub(crate) mod look;
 pub(crate) mod measuring;
-pub(crate) mod parts;
+pub(crate) mod obstacles;
 pub(crate) mod ruler;
 pub(crate) mod seen;
 pub(crate) mod spacing;

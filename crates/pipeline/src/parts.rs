@@ -89,7 +89,7 @@ fn add(
 /// Joins the bytes of all parts, each with its number, in any order.
 ///
 /// # Errors
-/// [`Error::Input`], `parts-other`, for a part that is none, or is of other cells than the first; what `parts` returns.
+/// [`Error::Input`], `parts-other`, for what is no part, or a part of other cells than the first; what `parts` returns.
 pub fn join(parts: impl IntoIterator<Item = Result<(u32, Vec<u8>), Error>>) -> Result<Known, Error> {
     let other =
         |text: String| Error::input("parts-other", Place::default(), format!("{text}; nothing was written"));

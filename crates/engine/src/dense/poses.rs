@@ -48,8 +48,8 @@ pub(super) struct Poses {
 pub(super) struct Sorted<'a> {
     /// Shadows that are read.
     pub known: Vec<Arc<Pose>>,
-    /// Chains whose shadows are made and kept.
-    pub again: Vec<&'a [Moving]>,
+    /// Chains whose shadows are made and kept, with what they are known by.
+    pub again: Vec<(Vec<Segment>, &'a [Moving])>,
     /// Segments that are cast on what is left.
     pub new: Vec<Moving>,
 }
@@ -68,7 +68,7 @@ impl Poses {
                 *used = self.clock;
                 out.known.push(Arc::clone(pose));
             } else if self.once.remove(&key) {
-                out.again.push(chain);
+                out.again.push((key, chain));
             } else {
                 if self.once.len() >= ONCE_MAX {
                     self.once.clear();
@@ -81,11 +81,11 @@ impl Poses {
     }
 
     /// Keeps what was made of a chain; what was not used for longest goes.
-    pub fn keep(&mut self, chain: &[Moving], pose: Pose) -> Arc<Pose> {
+    pub fn keep(&mut self, key: Vec<Segment>, pose: Pose) -> Arc<Pose> {
         let pose = Arc::new(pose);
         self.words += pose.size();
         // The same chain may stand twice in a layout.
-        if let Some((_, before)) = self.kept.insert(key(chain), (self.clock, Arc::clone(&pose))) {
+        if let Some((_, before)) = self.kept.insert(key, (self.clock, Arc::clone(&pose))) {
             self.words -= before.size();
         }
         while self.words > WORDS_MAX {
@@ -98,11 +98,13 @@ impl Poses {
 }
 
 impl Pose {
-    pub fn of(viewers: usize) -> Self {
+    /// Nothing yet, with room for so many viewers.
+    pub fn with_room(viewers: usize) -> Self {
         Self { spans: Vec::with_capacity(viewers), words: Vec::new() }
     }
 
-    /// Takes what is left of the next viewer's view, of lines of so many words that stand `stride` words apart.
+    /// Takes what is `left` of the next viewer's view under the `fixed` walls; both in the order of a view, see
+    /// `Dense::view_words`.
     #[inline(always)]
     pub fn add(&mut self, dense: &Dense, fixed: &[u64], left: &[u64]) {
         let stride = dense.line_stride();
@@ -122,7 +124,7 @@ impl Pose {
         }
     }
 
-    /// Takes off a viewer's view what the chain hides.
+    /// Takes off a viewer's view what the chain hides; `stride` words of it are one word of every line.
     #[inline(always)]
     pub fn shade(&self, viewer: usize, stride: usize, view: &mut [u64]) {
         let Span { start, line, lines } = self.spans[viewer];

@@ -28,7 +28,7 @@ pub(super) struct Walk<'a> {
 pub(super) struct Trees {
     levels: Vec<Vec<u32>>,
     degrees: Vec<[u32; 2]>,
-    /// Vertices of a root's initial component that it reaches; 0 where none are told apart.
+    /// Vertices of a root's initial component that it reaches; 0 where nobody asks for components.
     pub kept: Vec<u32>,
 }
 

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use crate::measure::look::{Bench, SeenOn};
-use crate::measure::parts::moving_segments;
+use crate::measure::obstacles::moving_segments;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;
 use enfilade_engine::geometry::Segment;

@@ -64,7 +64,7 @@ impl Look {
         (use_for, over, unit_m): (Use<'_>, Over<'_>, f64),
         report: &mut Report,
     ) -> Result<Self, Error> {
-        // Why there is none the backend says.
+        // Where no card answers, `backend::choose` says why.
         let is_asked = settings.backend == Backend::Gpu && matches!(use_for, Use::Search(None));
         let card = is_asked.then(|| Gpu::shared(true).ok()).flatten();
         let use_for = (use_for, over, card.as_ref());

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::measure::aims;
 use crate::measure::look::{Bench, Look, Pair, SeenOn};
-use crate::measure::parts::{blind, moving_segments};
+use crate::measure::obstacles::{blind, moving_segments};
 use crate::measure::seen::Seen;
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::measure::floors::Over;
 use crate::measure::known::{Known, Print, print};
-use crate::measure::parts::blind;
+use crate::measure::obstacles::blind;
 use crate::understand::understood::Understood;
 use enfilade_config::{Measure, Source};
 use enfilade_engine::evaluator::Evaluator;
@@ -172,18 +172,16 @@ impl Scene {
         };
         let card =
             card.filter(|_| matches!(use_for, Use::Search(None)) && lattice.cells.len() >= CARD_CELLS_MIN);
-        let evaluator = match card {
-            None => on_cores(),
-            Some(gpu) => {
-                let walked = Evaluator::on_card(gpu, Arc::clone(&lattice), ground.fixed, &moving);
-                walked.unwrap_or_else(|why| {
-                    let text = format!(
-                        "{why}; the cores walk the trees of the present layout, with the same result"
-                    );
-                    report.warn("backend-gpu", Place::file(ground.file), text);
-                    on_cores()
-                })
+        let on_card = card.map(|gpu| Evaluator::on_card(gpu, Arc::clone(&lattice), ground.fixed, &moving));
+        let evaluator = match on_card {
+            Some(Ok(walked)) => walked,
+            Some(Err(why)) => {
+                let text =
+                    format!("{why}; the cores walk the trees of the present layout, with the same result");
+                report.warn("backend-gpu", Place::file(ground.file), text);
+                on_cores()
             }
+            None => on_cores(),
         };
         let (edges, components) = (evaluator.initial_edges(), evaluator.initial_components().to_vec());
         let asked = if matches!(use_for, Use::Views) { Vec::new() } else { asked };

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::measure::floors::{Floor, Floors, Over};
 use crate::measure::known::Forest;
 use crate::measure::look::{Bench, Look, SeenOn, state_asked};
-use crate::measure::parts::{blind, fixed_parts, moving_segments, stopping};
+use crate::measure::obstacles::{blind, fixed_parts, moving_segments, stopping};
 use crate::measure::seen::Scene;
 use crate::measure::worth::Worth;
 use crate::measure::{aims, spacing};

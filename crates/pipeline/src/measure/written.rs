@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::measure::look::{Look, SeenOn};
-use crate::measure::parts::{blind, cover_bodies, cover_wide, stopping};
+use crate::measure::obstacles::{blind, cover_bodies, cover_wide, stopping};
 use crate::measure::seen::{Scene, Seen};
 use crate::measure::study::Study;
 use crate::measure::worth::Worth;

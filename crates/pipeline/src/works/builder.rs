@@ -10,7 +10,7 @@ use crate::confirm::confirmed;
 use crate::confirm::ideas::Experience;
 use crate::confirm::refined::{LEAST_CHANGE, STRIPPED};
 use crate::job::Job;
-use crate::measure::parts::stopping;
+use crate::measure::obstacles::stopping;
 use crate::search::judged::{evaluation, gained, is_firm};
 use crate::write::{show, traces};
 use enfilade_cad::drawing::Filling;

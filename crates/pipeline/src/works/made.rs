@@ -6,7 +6,7 @@ use super::edits::{Written, beside, written};
 use super::{Floor, listed};
 use crate::analyse::measure;
 use crate::job::{Input, Job};
-use crate::measure::parts::stopping;
+use crate::measure::obstacles::stopping;
 use crate::measure::study::Study;
 use crate::read;
 use crate::understand::edits::{edits_of, tied};
