@@ -28,8 +28,14 @@ pub(crate) fn confirm(
     so_far: &mut TakeSoFar<'_>,
 ) -> Result<Found, Error> {
     let search = &searched.search;
+    if searched.is_late {
+        brief.study.hurry();
+    }
     let others = watch.cancel.check().and_then(|()| {
         watch.progress(Progress { stage: "confirm".into(), ..searched.progress() });
+        if searched.is_late {
+            return Ok(Vec::new());
+        }
         elsewhere::elsewhere(brief, &search.outcome(), watch.cancel)
     });
     if matches!(others, Err(Error::Stopped)) && watch.cancel.keeps_best() {

@@ -30,6 +30,8 @@ pub(crate) type TakeSoFar<'a> = dyn FnMut(&Search, Progress, &mut Watch<'_>) -> 
 pub(crate) struct Searched<'a> {
     /// The search.
     pub(crate) search: Search,
+    /// Whether too little time is left for what comes after it.
+    pub(crate) is_late: bool,
     control: &'a Control,
     begun: Instant,
 }
@@ -119,7 +121,8 @@ pub(crate) fn search<'a>(
             written = Instant::now();
         }
     }
-    Ok(Searched { search, control, begun })
+    let is_late = allowance.is_late(search.progress().evaluations);
+    Ok(Searched { search, is_late, control, begun })
 }
 
 /// To what share of themselves yielding thresholds are lowered at most: options must stay better than the

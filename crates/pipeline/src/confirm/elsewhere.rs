@@ -37,8 +37,12 @@ pub(crate) fn elsewhere(
         return Ok(vec![]);
     };
     let whole = gain(best);
-    let costs = without_each(brief, best).into_iter().map(|p| (whole - gain(&p)).min(whole));
-    let mut order: Vec<(f64, &Vec<usize>)> = costs.zip(brief.control.units().iter().map(|u| &u.0)).collect();
+    if whole <= 0.0 {
+        return Ok(vec![]);
+    }
+    let units = brief.control.units();
+    let cost = |(place, p): (usize, Point)| ((whole - gain(&p)).min(whole), &units[place].0);
+    let mut order: Vec<(f64, &Vec<usize>)> = without_each(brief, best).into_iter().map(cost).collect();
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut out = Vec::new();
     let mut left = order.iter();

@@ -32,6 +32,8 @@ const RANKED: usize = 32;
 const PREPARED: usize = 16;
 /// Lattices that layouts are ranked on, heat by heat: from one to the next the better half goes on …
 const HEATS: [usize; 3] = [2, 2, 4];
+/// Heats where time is short.
+const HEATS_IN_A_HURRY: usize = 1;
 const _: () = assert!(HEATS[0] + HEATS[1] + HEATS[2] == lattices::RANKED as usize);
 /// … and at least so many, or all that are wanted.
 const FINALISTS: usize = 8;
@@ -245,7 +247,7 @@ fn pool(
     let mut likeness = vec![f64::NEG_INFINITY; kept.len()];
     let mut turn = 0..;
     let wanted = brief.settings.members + RESERVES;
-    let most = some(RANKED).max(2 * wanted).min(RANKED);
+    let most = if brief.study.is_hurried() { wanted } else { some(RANKED).max(2 * wanted).min(RANKED) };
     while out.len() < most {
         let mut left = (0..kept.len()).filter(|i| distances[*i] > apart);
         let next = if turn.next().is_some_and(|t: usize| t.is_multiple_of(2)) {
@@ -271,8 +273,8 @@ fn pool(
 fn without_one(brief: &Brief<'_>, best: &[Point]) -> Vec<Point> {
     let mut out: Vec<Point> = Vec::new();
     for point in best {
-        for other in without_each(brief, point) {
-            if other != *point && !out.contains(&other) {
+        for (_, other) in without_each(brief, point) {
+            if !out.contains(&other) {
                 out.push(other);
             }
         }
@@ -280,23 +282,24 @@ fn without_one(brief: &Brief<'_>, best: &[Point]) -> Vec<Point> {
     out
 }
 
-/// A layout without the moves of each unit of the control, one after the other.
-pub(crate) fn without_each(brief: &Brief<'_>, point: &Point) -> Vec<Point> {
+/// A layout without the moves of each unit of the control that it moves, one after the other, with the unit's place.
+pub(crate) fn without_each(brief: &Brief<'_>, point: &Point) -> Vec<(usize, Point)> {
     let Brief { trial, settings, control, objectives, .. } = brief;
     let start = control.start();
-    let back = |(unit, _): &(Vec<usize>, usize)| {
+    let back = |(place, (unit, _)): (usize, &(Vec<usize>, usize))| {
         let mut free = point.parameters.clone();
         unit.iter().for_each(|&k| free[k] = start[k]);
-        control.permit(&free)
+        let free = control.permit(&free);
+        (free != point.parameters).then_some((place, free))
     };
-    let free: Vec<Vec<f64>> = control.units().iter().map(back).collect();
-    let vectors: Vec<Vec<f64>> = free.iter().map(|q| control.expand(q)).collect();
+    let moved: Vec<(usize, Vec<f64>)> = control.units().iter().enumerate().filter_map(back).collect();
+    let vectors: Vec<Vec<f64>> = moved.iter().map(|(_, free)| control.expand(free)).collect();
     let worths = trial.measure_all(&vectors);
-    let point = |(parameters, worth): (Vec<f64>, &Worth)| {
+    let point = |((place, parameters), worth): ((usize, Vec<f64>), &Worth)| {
         let found = evaluation(trial, settings, objectives, worth);
-        Point { parameters, values: found.values, violation: found.violation }
+        (place, Point { parameters, values: found.values, violation: found.violation })
     };
-    free.into_iter().zip(&worths).map(point).collect()
+    moved.into_iter().zip(&worths).map(point).collect()
 }
 
 /// What people experience in layouts, on one of the lattices that were searched on: a coarse look tells maps apart.
@@ -346,7 +349,8 @@ fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Ranked> {
     let drawn = lattices::drawn(settings);
     let mut fallen: Vec<Ranked> = Vec::new();
     let mut begin = 0;
-    for heat in HEATS {
+    let heats = if study.is_hurried() { HEATS_IN_A_HURRY } else { HEATS.len() };
+    for &heat in &HEATS[..heats] {
         let use_for = if racing.len() < PREPARED { Use::Few(drawn) } else { Use::Search(drawn) };
         let others = study.on_lattices(settings, &at[begin..begin + heat], use_for);
         let on = others.as_ref().unwrap_or(study);

@@ -61,6 +61,8 @@ pub struct Study {
     pub(super) gpu: Option<Arc<Gpu>>,
     /// Why the graphics card gave up, if it did.
     pub(super) card_trouble: OnceLock<String>,
+    /// Set where the time stated is too short: what is measured after the search is measured less finely.
+    pub(super) hurried: OnceLock<()>,
     /// The same study on the lattices that gains are confirmed on, coarse and fine, once they are wanted.
     pub(super) confirming: OnceLock<[Vec<Study>; 2]>,
     /// Memory of threads that do not measure at the moment.
@@ -102,6 +104,16 @@ impl Study {
             study.state_blind(report);
         }
         Ok(study)
+    }
+
+    /// From now on what is confirmed, ranked and counted is so on fewer and coarser lattices.
+    pub(crate) fn hurry(&self) {
+        self.hurried.get_or_init(|| ());
+    }
+
+    /// Whether time is short.
+    pub(crate) fn is_hurried(&self) -> bool {
+        self.hurried.get().is_some()
     }
 
     /// The same study on other lattices; counts of cells are told in cells of this one's first lattice.
@@ -197,6 +209,7 @@ impl Study {
             spacing_m,
             roots: if let Use::Roots(n, _) = use_for { Some(n) } else { None },
             card_trouble: OnceLock::new(),
+            hurried: OnceLock::new(),
             confirming: OnceLock::new(),
             benches: Mutex::default(),
             pieces,

@@ -96,8 +96,18 @@ impl<'a> Allowance<'a> {
         if is_bare(self.settings) {
             return Some(stated);
         }
-        let after = self.clock.secs_each(done) * (AFTER[0] + AFTER[1] * self.effort);
-        Some(((stated - after) / WITH_OTHERS).max(stated * SEARCH_LEAST))
+        Some(((stated - self.after_secs(done)) / WITH_OTHERS).max(stated * SEARCH_LEAST))
+    }
+
+    /// Seconds that what comes after the search is thought to take, by the pace of so many evaluations.
+    fn after_secs(&self, done: u64) -> f64 {
+        self.clock.secs_each(done) * (AFTER[0] + AFTER[1] * self.effort)
+    }
+
+    /// Whether the seconds stated are too few for what comes after a search of so many evaluations.
+    pub(crate) fn is_late(&self, done: u64) -> bool {
+        let left = |stated: f64| stated - self.clock.spent_secs();
+        !is_bare(self.settings) && self.settings.seconds.is_some_and(|s| self.after_secs(done) > left(s))
     }
 
     /// Before a batch is asked for: a search whose time or number is spent ends, another plans with what fits. The pace
