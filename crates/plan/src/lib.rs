@@ -379,6 +379,9 @@ fn read(
         let reading = match &options.senses {
             Some(kept) => reading::Reading::again(drawing, kept),
             None if options.corrections.as_drawn => reading::Reading::by_names(drawing),
+            None if drawing.format == Format::Dxf && options.is_our_choice() => {
+                reading::Reading::new(drawing, metres).with_rooms_as_walls()
+            }
             None => reading::Reading::new(drawing, metres),
         };
         choice::take_read(drawing, options, &reading, chosen);

@@ -30,6 +30,9 @@ pub struct RoleSense {
     pub confidence: f32,
 }
 
+/// How sure an outline of a room is a wall: so little that it is asked.
+const OUTLINE_SURE: f32 = 0.4;
+
 /// How sure the unit is, and why.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UnitSense {
@@ -93,6 +96,17 @@ impl Reading {
         let is_firm = |(_, i): &(usize, &usize)| said.get(*i) == Some(&Role::Wall);
         self.firm = walls.iter().enumerate().filter(is_firm).map(|(w, _)| w as u32).collect();
         self.said = said;
+        self
+    }
+
+    /// Where nothing is a wall, what draws rooms says where they end: their outlines are the walls.
+    #[must_use]
+    pub(super) fn with_rooms_as_walls(mut self) -> Self {
+        if self.senses.iter().any(|s| matches!(s.role, Role::Wall | Role::Column | Role::LowWall)) {
+            return self;
+        }
+        let rooms = self.senses.iter_mut().filter(|s| s.role == Role::Room);
+        rooms.for_each(|s| *s = RoleSense { role: Role::Wall, confidence: OUTLINE_SURE });
         self
     }
 

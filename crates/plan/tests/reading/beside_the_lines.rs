@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
 
 use enfilade_cad::dxf::{ReadOptions, read};
+use enfilade_cad::roles::Role;
 use enfilade_plan::{Plan, PlanOptions, understand};
 use enfilade_report::{Error, Report};
 
@@ -66,6 +67,18 @@ fn a_refusal_names_the_files_that_are_left_out() {
         assert!(error.contains(&expected), "{error}\n{expected}");
     }
     assert!(plan("", &cupboards("PLAN 3")).is_ok(), "the only layer, of which the name says nothing");
+}
+
+/// Where no wall is drawn, rooms end at their outlines; beside walls these are rooms alone.
+#[test]
+fn outlines_of_rooms_are_walls_where_nothing_else_is() {
+    let rooms = [[0.0, 0.0, 4.0, 5.0], [4.0, 0.0, 9.0, 5.0], [0.0, 5.0, 9.0, 9.0]];
+    let rings: String = rooms.iter().enumerate().map(|(i, r)| ring(&format!("Room_{}", i + 1), *r)).collect();
+    let (read, _) = plan("", &rings).unwrap();
+    assert_eq!(read.walls.len(), 3);
+    assert!(read.senses.iter().all(|s| s.role == Role::Wall && s.confidence < 0.5), "{:?}", read.senses);
+    let walled = rings + &ring("WALL", [-0.2, -0.2, 9.2, 9.2]);
+    assert_eq!(plan("", &walled).unwrap().0.walls.len(), 1);
 }
 
 /// A mark says how it moves by an attribute as well as by a text, on the layer of the attribute or of its INSERT.
