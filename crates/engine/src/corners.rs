@@ -9,6 +9,8 @@
 //! For straightest paths a list holds all that `t` sees and `a` does not, with the turn at `t`: how a cell is reached
 //! depends on the order in which cells are left, so none can be passed over.
 
+use std::marker::PhantomData;
+
 use rayon::prelude::*;
 
 use super::lanes::Path;
@@ -50,7 +52,7 @@ pub(super) type List = [u32; 2];
 pub(super) const NOTHING: List = [0; 2];
 
 /// The number of no list.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// A cell of a list.
 pub(super) trait Cell: Copy + Send + Sync {
@@ -111,8 +113,7 @@ impl Corners<Turned> {
     pub fn straightest(paths: &Paths<'_>, most: usize) -> Option<Self> {
         let scratch = || Scratch::new(paths, 0);
         Self::make(paths, most.min(MOST), scratch, |scratch, first, rank| {
-            scratch
-                .lists_of(paths, rank, |scratch, via, cells| scratch.add_all(paths, first, rank, via, cells))
+            scratch.lists_of::<_, All>(paths, first, rank)
         })
     }
 }
@@ -183,7 +184,18 @@ impl<C: Cell> Corners<C> {
     /// The list of one of the ways from a rank, in the order of the graph.
     #[inline(always)]
     pub fn list_of(&self, rank: usize, place: u32) -> List {
-        self.list(self.list_of_way[(self.first[rank] + place) as usize])
+        self.list(self.number_of(rank, place))
+    }
+
+    /// The number of that list, or [`NONE`].
+    #[inline(always)]
+    pub fn number_of(&self, rank: usize, place: u32) -> u32 {
+        self.list_of_way[(self.first[rank] + place) as usize]
+    }
+
+    /// How many lists there are.
+    pub fn lists(&self) -> usize {
+        self.end.len()
     }
 }
 
@@ -230,9 +242,7 @@ impl Scratch {
                 bits &= bits - 1;
             }
         }
-        let lists = self.lists_of(paths, rank, |scratch, via, cells| {
-            scratch.add_shortest::<R>(paths, first, rank, via, cells);
-        });
+        let lists = self.lists_of::<_, OnlyShortest<R>>(paths, first, rank);
         for tile in self.touched.drain(..) {
             self.best[tile as usize * 64..][..64].fill(f32::INFINITY);
         }
@@ -254,12 +264,7 @@ impl Scratch {
     /// The lists of one rank, numbered from 0; `add` puts in what is beyond a slot, with the numbers of ways instead of
     /// those of lists.
     #[inline(always)]
-    fn lists_of<C: Cell>(
-        &mut self,
-        paths: &Paths<'_>,
-        rank: usize,
-        add: impl Fn(&Self, u32, &mut Vec<C>),
-    ) -> Corners<C> {
+    fn lists_of<C: Cell, A: Adds<C>>(&mut self, paths: &Paths<'_>, first: &[u32], rank: usize) -> Corners<C> {
         let mut lists = Corners::new();
         self.own_of(paths, rank, true);
         let (tiles, masks) = paths.graph.row(rank);
@@ -270,7 +275,7 @@ impl Scratch {
                 bits &= bits - 1;
                 let start = lists.cells.len();
                 if paths.may_turn(via) {
-                    add(self, via, &mut lists.cells);
+                    A::add(self, (paths, first, rank), via, &mut lists.cells);
                 }
                 if lists.cells.len() > start {
                     lists.list_of_way.push(lists.end.len() as u32);
@@ -358,6 +363,41 @@ impl Scratch {
             }
             way += mask.count_ones();
         }
+    }
+}
+
+/// Puts in what is beyond a slot, for the lists of a rank. No closure: those do not have the instructions of their function.
+trait Adds<C> {
+    fn add(scratch: &Scratch, of: (&Paths<'_>, &[u32], usize), via: u32, cells: &mut Vec<C>);
+}
+
+/// All that the slot sees and the rank does not.
+struct All;
+
+impl Adds<Turned> for All {
+    #[inline(always)]
+    fn add(
+        scratch: &Scratch,
+        (paths, first, rank): (&Paths<'_>, &[u32], usize),
+        via: u32,
+        cells: &mut Vec<Turned>,
+    ) {
+        scratch.add_all(paths, first, rank, via, cells);
+    }
+}
+
+/// The cells to which the shortest ways of two pieces lead over the slot.
+struct OnlyShortest<R>(PhantomData<R>);
+
+impl<R: Rows> Adds<Away> for OnlyShortest<R> {
+    #[inline(always)]
+    fn add(
+        scratch: &Scratch,
+        (paths, first, rank): (&Paths<'_>, &[u32], usize),
+        via: u32,
+        cells: &mut Vec<Away>,
+    ) {
+        scratch.add_shortest::<R>(paths, first, rank, via, cells);
     }
 }
 

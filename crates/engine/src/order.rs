@@ -22,8 +22,14 @@ pub(super) struct Order {
 }
 
 impl Order {
-    /// Those of some slots that cost at most so much, by cost, then vertex. `cost` is by slot.
-    pub fn by_cost(&mut self, paths: &Paths<'_>, reached: &[u32], cost: &[f32], most: f64) -> &[Key] {
+    /// Those of some slots that cost at most so much, by cost, then vertex.
+    pub fn by_cost(
+        &mut self,
+        paths: &Paths<'_>,
+        reached: &[u32],
+        cost: impl Fn(u32) -> f32,
+        most: f64,
+    ) -> &[Key] {
         let highest = self.keep(paths, reached, cost, most);
         let n = self.kept.len();
         let bins = (n * BINS_PER_CELL).clamp(1, BINS_MAX);
@@ -49,14 +55,14 @@ impl Order {
     }
 
     /// Keeps what costs at most so much; the highest of the costs.
-    fn keep(&mut self, paths: &Paths<'_>, reached: &[u32], cost: &[f32], most: f64) -> f32 {
+    fn keep(&mut self, paths: &Paths<'_>, reached: &[u32], cost: impl Fn(u32) -> f32, most: f64) -> f32 {
         let nearest = most as f32;
         let below = if f64::from(nearest) > most { nearest.next_down() } else { nearest };
         let most = below.min(f32::MAX);
         self.kept.resize(reached.len(), 0);
         let (mut n, mut highest) = (0, 0f32);
         for &slot in reached {
-            let cost = cost[slot as usize];
+            let cost = cost(slot);
             self.kept[n] = key(paths, cost, slot);
             n += usize::from(cost <= most);
             highest = if cost <= most && cost > highest { cost } else { highest };
