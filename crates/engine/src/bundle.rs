@@ -39,6 +39,13 @@ const UNREACHED: Reach = Reach {
     before: [[u32::MAX; ROW]; HALVES],
 };
 
+/// How far a cell is from a root, and the slot before it on the way.
+#[derive(Clone, Copy)]
+pub(super) struct Way {
+    pub cost: f32,
+    pub before: u32,
+}
+
 /// What a corner that was left offers with: these are read most.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
@@ -66,9 +73,8 @@ struct Offered {
 pub(super) struct Bundle {
     roots: Vec<u32>,
     left: Vec<Left>,
-    /// Costs, and slots before, of one root after another.
-    costs_of: Vec<f32>,
-    before_of: Vec<u32>,
+    /// By slot, of one root after another.
+    ways: Vec<Way>,
     /// The slots before corners that were left.
     before: Vec<Each<u32>>,
     /// At most what a corner that waits will cost.
@@ -86,6 +92,8 @@ pub(super) struct Bundle {
     offered: Vec<u32>,
     round: u32,
     queue: Queue,
+    /// The highest cost of what is reached.
+    highest: Each<f32>,
     /// By tile, and then one by one.
     touched: Vec<u64>,
     reached: Vec<u32>,
@@ -106,8 +114,7 @@ impl Bundle {
         Self {
             roots: Vec::new(),
             left: vec![Left { cost: UNREACHED.cost, list: UNREACHED.list }; slots],
-            costs_of: vec![f32::INFINITY; stride(slots) * ROOTS],
-            before_of: vec![u32::MAX; stride(slots) * ROOTS],
+            ways: vec![Way { cost: f32::INFINITY, before: u32::MAX }; stride(slots) * ROOTS],
             before: vec![UNREACHED.before; slots],
             near: vec![UNREACHED.cost; slots],
             waits: vec![f32::INFINITY; slots],
@@ -119,6 +126,7 @@ impl Bundle {
             offered: vec![0; corners.lists()],
             round: 0,
             queue: Queue::default(),
+            highest: [[0.0; ROW]; HALVES],
             touched: vec![0; slots / 64],
             reached: Vec::new(),
             ties: Vec::new(),
@@ -130,14 +138,15 @@ impl Bundle {
         &self.reached
     }
 
-    /// Cells from a root to every slot that is reached.
-    pub fn costs(&self, root: usize) -> &[f32] {
-        &self.costs_of[root * stride(self.offers.len())..][..self.offers.len()]
+    /// The ways from a root to every slot that is reached.
+    pub fn ways(&self, root: usize) -> &[Way] {
+        let slots = self.offers.len();
+        &self.ways[root * stride(slots)..][..slots]
     }
 
-    /// The slot before every slot that is reached, on the way from a root.
-    pub fn before(&self, root: usize) -> &[u32] {
-        &self.before_of[root * stride(self.offers.len())..][..self.offers.len()]
+    /// At least what anything that a root reaches costs.
+    pub fn highest(&self, root: usize) -> f32 {
+        self.highest[root / ROW][root % ROW]
     }
 
     walk_by_rows!(
@@ -193,11 +202,16 @@ impl Bundle {
     /// Notes how a slot is reached, root by root.
     #[inline(always)]
     fn note(&mut self, slot: u32, costs: &Each<f32>, before: &Each<u32>) {
-        let (costs, before) = (costs.as_flattened(), before.as_flattened());
+        for (highest, costs) in self.highest.iter_mut().zip(costs) {
+            for i in 0..ROW {
+                let cost = if costs[i] < f32::INFINITY { costs[i] } else { 0.0 };
+                highest[i] = if cost > highest[i] { cost } else { highest[i] };
+            }
+        }
         let stride = stride(self.offers.len());
-        for root in 0..ROOTS {
-            self.costs_of[root * stride + slot as usize] = costs[root];
-            self.before_of[root * stride + slot as usize] = before[root];
+        let ways = costs.as_flattened().iter().zip(before.as_flattened());
+        for (of_root, (&cost, &before)) in self.ways.chunks_exact_mut(stride).zip(ways) {
+            of_root[slot as usize] = Way { cost, before };
         }
     }
 
@@ -213,6 +227,7 @@ impl Bundle {
         self.straight.clear();
         self.roots.clear();
         self.queue.clear(BANDS_PER_CELL);
+        self.highest = [[0.0; ROW]; HALVES];
         self.round += 1;
     }
 
@@ -231,7 +246,7 @@ impl Bundle {
             while bits != 0 {
                 let slot = tile << 6 | bits.trailing_zeros();
                 bits &= bits - 1;
-                let (cost, list) = (paths.length(at, slot) as f32, corners.number_of(rank, place));
+                let (cost, list) = (paths.single(at, slot), corners.number_of(rank, place));
                 place += 1;
                 let way = self.straight_to(slot);
                 (way.cost[half][lane], way.before[half][lane], way.list[half][lane]) = (cost, at, list);
@@ -325,7 +340,7 @@ impl Bundle {
                 let slot = to.slot as usize;
                 self.touched[slot >> 6] |= 1 << (slot & 63);
                 let next = std::mem::replace(&mut self.offers[slot], self.all.len() as u32);
-                let (by, of, length, list) = (leaving.at, leaving.list, to.length as f32, to.list);
+                let (by, of, length, list) = (leaving.at, leaving.list, to.length, to.list);
                 self.all.push(Offered { offer: Offer { by, of, length, list }, next });
             }
         }
@@ -341,7 +356,7 @@ impl Bundle {
     #[inline(always)]
     fn tell<R: Rows>(&mut self, paths: &Paths<'_>, leaving: &Leaving, to: &Away, anyway: bool) {
         let near = self.near(to.slot);
-        let length = to.length as f32;
+        let length = to.length;
         let (mut new, mut limit) = (leaving.cost, *near);
         for half in 0..HALVES {
             for i in 0..ROW {
@@ -436,7 +451,7 @@ impl Bundle {
 
 /// From the values of one root to those of the next: what is noted together falls into different sets of a cache.
 const fn stride(slots: usize) -> usize {
-    slots + 48
+    slots + 24
 }
 
 /// One bit a root.

@@ -17,7 +17,7 @@ use super::lanes::Path;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::x86::Avx2;
 use super::lanes::{Portable, ROW, Rows, next_row};
-use super::offsets::{length_of, turn};
+use super::offsets::{single_of, turn};
 use super::paths::Paths;
 
 /// Ways that differ by less count as equally long, cells: above what single precision adds up to.
@@ -63,7 +63,7 @@ pub(super) trait Cell: Copy + Send + Sync {
 /// A cell, the list of the way there, and how far away it is.
 #[derive(Clone, Copy)]
 pub(super) struct Away {
-    pub length: f64,
+    pub length: f32,
     pub slot: u32,
     pub list: u32,
 }
@@ -87,6 +87,19 @@ impl Cell for Turned {
         &mut self.list
     }
 }
+
+/// For the bits of a byte: nothing where a bit is set, infinity elsewhere.
+static OTHERS: [[f32; ROW]; 256] = {
+    let mut others = [[0.0; ROW]; 256];
+    let mut i = 0;
+    while i < 256 * ROW {
+        if i / ROW >> (i % ROW) & 1 == 0 {
+            others[i / ROW][i % ROW] = f32::INFINITY;
+        }
+        i += 1;
+    }
+    others
+};
 
 /// What one worker needs: what the vertex itself sees by tile, the shortest way of two pieces by slot, and the
 /// tiles where there is any.
@@ -305,8 +318,9 @@ impl Scratch {
                 else {
                     continue;
                 };
+                let others = &OTHERS[some as usize & 0xff];
                 for i in 0..ROW {
-                    let way = if some >> i & 1 == 1 { ways[i] } else { f32::INFINITY };
+                    let way = ways[i] + others[i];
                     best[i] = if way < best[i] { way } else { best[i] };
                 }
             }
@@ -337,7 +351,7 @@ impl Scratch {
                     let slot = first + chosen.trailing_zeros();
                     chosen &= chosen - 1;
                     let way = way + (mask & ((1 << (slot & 63)) - 1)).count_ones();
-                    cells.push(Away { length: paths.length(via, slot), slot, list: way });
+                    cells.push(Away { length: paths.single(via, slot), slot, list: way });
                 }
             }
             way += mask.count_ones();
@@ -411,7 +425,7 @@ impl ToVia {
     #[inline(always)]
     fn new(paths: &Paths<'_>, rank: usize, via: u32) -> Self {
         let (tile, bit) = paths.graph.tiles.slot_of[rank];
-        let first = paths.length(tile << 6 | u32::from(bit), via) as f32;
+        let first = paths.single(tile << 6 | u32::from(bit), via);
         Self { first, via }
     }
 
@@ -419,10 +433,10 @@ impl ToVia {
     #[inline(always)]
     fn next_row(&self, paths: &Paths<'_>, tile: u32, bits: &mut u64) -> Option<Beyond> {
         let (row, some) = next_row(bits)?;
-        let lengths = paths.row(&paths.offsets.lengths, self.via, tile << 6 | row, length_of);
+        let lengths = paths.row(&paths.offsets.singles, self.via, tile << 6 | row, single_of);
         let mut ways = [0.0; ROW];
         for i in 0..ROW {
-            ways[i] = self.first + lengths[i] as f32;
+            ways[i] = self.first + lengths[i];
         }
         Some((tile << 6 | row, some, ways))
     }

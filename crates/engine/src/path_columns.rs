@@ -36,9 +36,9 @@ impl Paths<'_> {
             let roots: Vec<u32> = some.iter().map(|v| self.slot_of_vertex[*v as usize]).collect();
             walk.walk(self, &corners, &roots, limit);
             let of = |(lane, root): (usize, &u32)| {
-                let (costs, before) = (walk.costs(lane), walk.before(lane));
-                let reached = order.by_cost(self, walk.reached(), |slot| costs[slot as usize], limit);
-                turns.row(self, reached, *root, |slot| before[slot as usize])
+                let (ways, most) = (walk.ways(lane), (walk.highest(lane), limit));
+                let reached = order.by_cost(self, walk.reached(), |slot| ways[slot as usize].cost, most);
+                turns.row(self, reached, *root, |slot| ways[slot as usize].before)
             };
             roots.iter().enumerate().map(of).collect::<Vec<_>>()
         };
@@ -101,7 +101,9 @@ impl Paths<'_> {
             let of = |v: &u32| {
                 let root = self.slot_of_vertex[*v as usize];
                 walk.walk(self, &[root], limit);
-                let reached = order.by_cost(self, walk.reached(), |slot| walk.cost[slot as usize], limit);
+                let highest = walk.reached().iter().map(|slot| walk.cost[*slot as usize]).fold(0.0, f32::max);
+                let reached =
+                    order.by_cost(self, walk.reached(), |slot| walk.cost[slot as usize], (highest, limit));
                 turns.row(self, reached, root, |slot| walk.before(slot))
             };
             some.iter().map(of).collect()
@@ -339,21 +341,23 @@ mod tests {
             let mut paths = Paths::new(&lattice, &graph, &obstacles, turning);
             let corners = Corners::shortest(&paths).unwrap();
             let (mut walk, mut bundle) = (Shortest::new(&paths), Bundle::new(&paths, &corners));
-            let slots: Vec<u32> = (0..lattice.cells.len()).step_by(37).map(|v| paths.slot_of_vertex[v]).collect();
-            let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a == b || (a - b).abs() < 1e-4);
+            let slots: Vec<u32> = (0..graph.len()).step_by(37).map(|v| paths.slot_of_vertex[v]).collect();
+            let near = |a: f64, b: f64| a == b || (a - b).abs() < 1e-4;
             for roots in slots.chunks(ROOTS) {
                 bundle.walk(&paths, &corners, roots, f64::INFINITY);
-                let is_reached = |slot: &u32| bundle.reached().contains(slot);
                 for (lane, root) in roots.iter().enumerate() {
                     walk.walk(&paths, &[*root], f64::INFINITY);
-                    let costs = |cost: &dyn Fn(u32) -> f32| {
-                        paths.slot_of_vertex.iter().map(|&s| f64::from(cost(s))).collect::<Vec<f64>>()
-                    };
-                    let plain = costs(&|slot| walk.cost[slot as usize]);
                     let vertex = paths.vertex_of_slot[*root as usize];
-                    prop_assert!(near(&plain, &by_dijkstra(&paths, &lattice, vertex, true)));
-                    let cost = |slot| if is_reached(&slot) { bundle.costs(lane)[slot as usize] } else { f32::INFINITY };
-                    prop_assert!(near(&costs(&cost), &plain));
+                    let expected = by_dijkstra(&paths, &lattice, vertex, true);
+                    let mut costs = vec![f64::INFINITY; graph.len()];
+                    for &slot in bundle.reached() {
+                        let cost = bundle.ways(lane)[slot as usize].cost;
+                        costs[paths.vertex_of_slot[slot as usize] as usize] = f64::from(cost);
+                    }
+                    for (v, &expected) in expected.iter().enumerate() {
+                        let plain = f64::from(walk.cost[paths.slot_of_vertex[v] as usize]);
+                        prop_assert!(near(plain, expected) && near(costs[v], expected));
+                    }
                 }
             }
             let best: Vec<Column> = paths.angular_columns(None);
