@@ -18,6 +18,10 @@ const BANDS_PER_CELL: f32 = 1.0;
 /// Costs that differ by a smaller part may be ties, which are decided as one root would: above what rounding does.
 const TIED: f32 = 1.0 + 1.0 / (1 << 20) as f32;
 
+/// A corner that is left for some root is left for all to whom it costs at most so many cells more: neighbours. For others,
+/// behind a wall, what is known of it then is far from the end.
+const APART_CELLS: f32 = 8.0;
+
 /// Rows of eight roots.
 const HALVES: usize = ROOTS / ROW;
 
@@ -100,12 +104,40 @@ pub(super) struct Bundle {
     ties: Vec<(u64, Offer)>,
 }
 
-/// What a list offers: its number, costs before its first cell, and whether all take notice.
+/// A corner whose turn it is, and at which cost.
+#[derive(Clone, Copy)]
+struct Turn {
+    at: u32,
+    cost: f32,
+}
+
+/// What a list offers: its number, costs before its first cell, and whether it did before. News is nothing for a root to
+/// which the corner is new, infinite for others.
 struct Leaving {
     at: u32,
     list: u32,
     cost: Each<f32>,
+    news: Each<f32>,
     anew: bool,
+}
+
+impl Reach {
+    /// What is left up to a cost, or was left before, and the next cost above it.
+    #[inline(always)]
+    fn left_at(&self, most: f32, old: &Left) -> (Left, f32) {
+        let mut left = Left { cost: self.cost, list: self.list };
+        let mut later = [f32::INFINITY; ROW];
+        for half in 0..HALVES {
+            for i in 0..ROW {
+                let cost = self.cost[half][i];
+                let is_late = cost > most && old.cost[half][i] == f32::INFINITY;
+                left.cost[half][i] = if is_late { f32::INFINITY } else { cost };
+                left.list[half][i] = if is_late { NONE } else { self.list[half][i] };
+                later[i] = if is_late && cost < later[i] { cost } else { later[i] };
+            }
+        }
+        (left, lowest(later))
+    }
 }
 
 impl Bundle {
@@ -168,7 +200,7 @@ impl Bundle {
                 if self.waits[at as usize] == cost {
                     self.waits[at as usize] = f32::INFINITY;
                     if f64::from(cost) <= radius {
-                        self.leave::<R>(paths, corners, at);
+                        self.leave::<R>(paths, corners, Turn { at, cost });
                     }
                 }
             }
@@ -287,22 +319,36 @@ impl Bundle {
         }
     }
 
-    /// Finds how a corner is reached, and offers ways through it if that is news.
+    /// Finds how a corner is reached, and offers ways through it to those to whom that is news.
     #[inline(always)]
-    fn leave<R: Rows>(&mut self, paths: &Paths<'_>, corners: &Corners<Away>, at: u32) {
-        let now = self.best::<R>(paths, at);
-        self.before[at as usize] = now.before;
-        let anew = std::mem::replace(&mut self.stage[at as usize], Stage::Left) == Stage::Left;
-        self.near[at as usize] = now.cost;
-        let left = Left { cost: now.cost, list: now.list };
-        let old = std::mem::replace(&mut self.left[at as usize], left);
-        if anew {
-            if old.cost == now.cost && old.list == now.list {
-                return;
-            }
-            self.offer_lists::<R>(paths, corners, at, &old.list, &left, true);
+    fn leave<R: Rows>(&mut self, paths: &Paths<'_>, corners: &Corners<Away>, turn: Turn) {
+        let at = turn.at as usize;
+        let now = self.best::<R>(paths, turn.at);
+        self.before[at] = now.before;
+        self.near[at] = now.cost;
+        let anew = std::mem::replace(&mut self.stage[at], Stage::Left) == Stage::Left;
+        let nothing = Left { cost: UNREACHED.cost, list: UNREACHED.list };
+        let old = if anew { self.left[at] } else { nothing };
+        let (left, later) = now.left_at(turn.cost + APART_CELLS, &old);
+        self.left[at] = left;
+        if later < f32::INFINITY {
+            self.wait(paths, turn.at, later);
         }
-        self.offer_lists::<R>(paths, corners, at, &left.list, &left, anew);
+        let mut news = UNREACHED.cost;
+        for half in 0..HALVES {
+            for i in 0..ROW {
+                let is_cost = old.cost[half][i] == left.cost[half][i];
+                let is_same = is_cost & (old.list[half][i] == left.list[half][i]);
+                news[half][i] = if is_same { f32::INFINITY } else { 0.0 };
+            }
+        }
+        if news == UNREACHED.cost {
+            return;
+        }
+        if anew {
+            self.offer_lists::<R>(paths, corners, turn.at, &old.list, &left, &news, true);
+        }
+        self.offer_lists::<R>(paths, corners, turn.at, &left.list, &left, &news, anew);
     }
 
     /// Offers every one of some lists once.
@@ -314,6 +360,7 @@ impl Bundle {
         at: u32,
         lists: &Each<u32>,
         now: &Left,
+        news: &Each<f32>,
         anew: bool,
     ) {
         let mut left = !same::<R>(lists, NONE) & ALL;
@@ -324,10 +371,10 @@ impl Bundle {
             for half in 0..HALVES {
                 for i in 0..ROW {
                     let is_made = now.list[half][i] == list;
-                    cost[half][i] = if is_made { now.cost[half][i] } else { f32::INFINITY };
+                    cost[half][i] = news[half][i] + if is_made { now.cost[half][i] } else { f32::INFINITY };
                 }
             }
-            self.offer_list::<R>(paths, corners, &Leaving { at, list, cost, anew });
+            self.offer_list::<R>(paths, corners, &Leaving { at, list, cost, news: *news, anew });
         }
     }
 
@@ -370,9 +417,12 @@ impl Bundle {
         let mut low = [f32::INFINITY; ROW];
         for half in 0..HALVES {
             for i in 0..ROW {
-                let lower = if new[half][i] < near[half][i] { new[half][i] } else { near[half][i] };
-                near[half][i] = lower;
-                low[i] = if lower < low[i] { lower } else { low[i] };
+                let (old, new) = (near[half][i], new[half][i]);
+                near[half][i] = if new < old { new } else { old };
+                let told = if new < limit[half][i] { new } else { f32::INFINITY };
+                let known = if anyway { old + leaving.news[half][i] } else { f32::INFINITY };
+                let from = if told < known { told } else { known };
+                low[i] = if from < low[i] { from } else { low[i] };
             }
         }
         self.wait(paths, to.slot, lowest(low));

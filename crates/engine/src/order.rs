@@ -1,7 +1,7 @@
 //! What a walk has reached, in the order of its cost.
 
 use super::paths::Paths;
-use super::queue::{Key, cost_of, key, whole};
+use super::queue::{Key, key, whole};
 
 /// Bins to one cell: with fewer cells to a bin hardly any are out of order in it.
 const BINS_PER_CELL: usize = 2;
