@@ -9,13 +9,15 @@
 //! For straightest paths a list holds all that `t` sees and `a` does not, with the turn at `t`: how a cell is reached
 //! depends on the order in which cells are left, so none can be passed over.
 
+use std::marker::PhantomData;
+
 use rayon::prelude::*;
 
 use super::lanes::Path;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::x86::Avx2;
 use super::lanes::{Portable, ROW, Rows, next_row};
-use super::offsets::{length_of, turn};
+use super::offsets::{single_of, turn};
 use super::paths::Paths;
 
 /// Ways that differ by less count as equally long, cells: above what single precision adds up to.
@@ -50,7 +52,7 @@ pub(super) type List = [u32; 2];
 pub(super) const NOTHING: List = [0; 2];
 
 /// The number of no list.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// A cell of a list.
 pub(super) trait Cell: Copy + Send + Sync {
@@ -61,7 +63,7 @@ pub(super) trait Cell: Copy + Send + Sync {
 /// A cell, the list of the way there, and how far away it is.
 #[derive(Clone, Copy)]
 pub(super) struct Away {
-    pub length: f64,
+    pub length: f32,
     pub slot: u32,
     pub list: u32,
 }
@@ -85,6 +87,19 @@ impl Cell for Turned {
         &mut self.list
     }
 }
+
+/// For the bits of a byte: nothing where a bit is set, infinity elsewhere.
+static OTHERS: [[f32; ROW]; 256] = {
+    let mut others = [[0.0; ROW]; 256];
+    let mut i = 0;
+    while i < 256 * ROW {
+        if i / ROW >> (i % ROW) & 1 == 0 {
+            others[i / ROW][i % ROW] = f32::INFINITY;
+        }
+        i += 1;
+    }
+    others
+};
 
 /// What one worker needs: what the vertex itself sees by tile, the shortest way of two pieces by slot, and the
 /// tiles where there is any.
@@ -111,8 +126,7 @@ impl Corners<Turned> {
     pub fn straightest(paths: &Paths<'_>, most: usize) -> Option<Self> {
         let scratch = || Scratch::new(paths, 0);
         Self::make(paths, most.min(MOST), scratch, |scratch, first, rank| {
-            scratch
-                .lists_of(paths, rank, |scratch, via, cells| scratch.add_all(paths, first, rank, via, cells))
+            scratch.lists_of::<_, All>(paths, first, rank)
         })
     }
 }
@@ -183,7 +197,18 @@ impl<C: Cell> Corners<C> {
     /// The list of one of the ways from a rank, in the order of the graph.
     #[inline(always)]
     pub fn list_of(&self, rank: usize, place: u32) -> List {
-        self.list(self.list_of_way[(self.first[rank] + place) as usize])
+        self.list(self.number_of(rank, place))
+    }
+
+    /// The number of that list, or [`NONE`].
+    #[inline(always)]
+    pub fn number_of(&self, rank: usize, place: u32) -> u32 {
+        self.list_of_way[(self.first[rank] + place) as usize]
+    }
+
+    /// How many lists there are.
+    pub fn lists(&self) -> usize {
+        self.end.len()
     }
 }
 
@@ -230,9 +255,7 @@ impl Scratch {
                 bits &= bits - 1;
             }
         }
-        let lists = self.lists_of(paths, rank, |scratch, via, cells| {
-            scratch.add_shortest::<R>(paths, first, rank, via, cells);
-        });
+        let lists = self.lists_of::<_, OnlyShortest<R>>(paths, first, rank);
         for tile in self.touched.drain(..) {
             self.best[tile as usize * 64..][..64].fill(f32::INFINITY);
         }
@@ -254,12 +277,7 @@ impl Scratch {
     /// The lists of one rank, numbered from 0; `add` puts in what is beyond a slot, with the numbers of ways instead of
     /// those of lists.
     #[inline(always)]
-    fn lists_of<C: Cell>(
-        &mut self,
-        paths: &Paths<'_>,
-        rank: usize,
-        add: impl Fn(&Self, u32, &mut Vec<C>),
-    ) -> Corners<C> {
+    fn lists_of<C: Cell, A: Adds<C>>(&mut self, paths: &Paths<'_>, first: &[u32], rank: usize) -> Corners<C> {
         let mut lists = Corners::new();
         self.own_of(paths, rank, true);
         let (tiles, masks) = paths.graph.row(rank);
@@ -270,7 +288,7 @@ impl Scratch {
                 bits &= bits - 1;
                 let start = lists.cells.len();
                 if paths.may_turn(via) {
-                    add(self, via, &mut lists.cells);
+                    A::add(self, (paths, first, rank), via, &mut lists.cells);
                 }
                 if lists.cells.len() > start {
                     lists.list_of_way.push(lists.end.len() as u32);
@@ -300,8 +318,9 @@ impl Scratch {
                 else {
                     continue;
                 };
+                let others = &OTHERS[some as usize & 0xff];
                 for i in 0..ROW {
-                    let way = if some >> i & 1 == 1 { ways[i] } else { f32::INFINITY };
+                    let way = ways[i] + others[i];
                     best[i] = if way < best[i] { way } else { best[i] };
                 }
             }
@@ -332,7 +351,7 @@ impl Scratch {
                     let slot = first + chosen.trailing_zeros();
                     chosen &= chosen - 1;
                     let way = way + (mask & ((1 << (slot & 63)) - 1)).count_ones();
-                    cells.push(Away { length: paths.length(via, slot), slot, list: way });
+                    cells.push(Away { length: paths.single(via, slot), slot, list: way });
                 }
             }
             way += mask.count_ones();
@@ -361,6 +380,41 @@ impl Scratch {
     }
 }
 
+/// Puts in what is beyond a slot, for the lists of a rank. No closure: those do not have the instructions of their function.
+trait Adds<C> {
+    fn add(scratch: &Scratch, of: (&Paths<'_>, &[u32], usize), via: u32, cells: &mut Vec<C>);
+}
+
+/// All that the slot sees and the rank does not.
+struct All;
+
+impl Adds<Turned> for All {
+    #[inline(always)]
+    fn add(
+        scratch: &Scratch,
+        (paths, first, rank): (&Paths<'_>, &[u32], usize),
+        via: u32,
+        cells: &mut Vec<Turned>,
+    ) {
+        scratch.add_all(paths, first, rank, via, cells);
+    }
+}
+
+/// The cells to which the shortest ways of two pieces lead over the slot.
+struct OnlyShortest<R>(PhantomData<R>);
+
+impl<R: Rows> Adds<Away> for OnlyShortest<R> {
+    #[inline(always)]
+    fn add(
+        scratch: &Scratch,
+        (paths, first, rank): (&Paths<'_>, &[u32], usize),
+        via: u32,
+        cells: &mut Vec<Away>,
+    ) {
+        scratch.add_shortest::<R>(paths, first, rank, via, cells);
+    }
+}
+
 /// Cells from a vertex to `via`, and where that is.
 struct ToVia {
     first: f32,
@@ -371,7 +425,7 @@ impl ToVia {
     #[inline(always)]
     fn new(paths: &Paths<'_>, rank: usize, via: u32) -> Self {
         let (tile, bit) = paths.graph.tiles.slot_of[rank];
-        let first = paths.length(tile << 6 | u32::from(bit), via) as f32;
+        let first = paths.single(tile << 6 | u32::from(bit), via);
         Self { first, via }
     }
 
@@ -379,10 +433,10 @@ impl ToVia {
     #[inline(always)]
     fn next_row(&self, paths: &Paths<'_>, tile: u32, bits: &mut u64) -> Option<Beyond> {
         let (row, some) = next_row(bits)?;
-        let lengths = paths.row(&paths.offsets.lengths, self.via, tile << 6 | row, length_of);
+        let lengths = paths.row(&paths.offsets.singles, self.via, tile << 6 | row, single_of);
         let mut ways = [0.0; ROW];
         for i in 0..ROW {
-            ways[i] = self.first + lengths[i] as f32;
+            ways[i] = self.first + lengths[i];
         }
         Some((tile << 6 | row, some, ways))
     }

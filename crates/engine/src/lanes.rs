@@ -73,12 +73,34 @@ pub(super) fn known_in((tiles, masks): (&[u32], &[u64]), tile: u32, next: &mut u
     if tiles.get(*next) == Some(&tile) { masks[*next] } else { 0 }
 }
 
-/// Comparisons of a row of a tile at once.
+/// The least of what was offered to a row of eight: what it costs, who offers it, and by which list; and the second least.
+#[derive(Clone, Copy)]
+pub(super) struct Least {
+    pub cost: [f32; ROW],
+    pub second: [f32; ROW],
+    pub by: [u32; ROW],
+    pub list: [u32; ROW],
+}
+
+/// An offer to a row of eight: who offers, to those with which list, what more it costs, and which list follows.
+#[derive(Clone, Copy)]
+pub(super) struct Offer {
+    pub by: u32,
+    pub of: u32,
+    pub length: f32,
+    pub list: u32,
+}
+
+/// Comparisons of a row of a tile at once, or of eight roots.
 pub(super) trait Rows {
     /// Bit `i`: `a[i] < b[i]`.
     fn less(a: &[f32; ROW], b: &[f32; ROW]) -> u32;
     /// The same in double precision.
     fn less_wide(a: &[f64; ROW], b: &[f32; ROW]) -> u32;
+    /// Bit `i`: `a[i] == b`.
+    fn same(a: &[u32; ROW], b: u32) -> u32;
+    /// Takes in an offer by one with these costs and lists.
+    fn take_in(least: &mut Least, costs: &[f32; ROW], lists: &[u32; ROW], offer: Offer);
     /// Writes `first` plus the number of every one of eight bits, without a branch, and whatever behind them.
     fn list(bits: u32, first: u32, to: &mut [u32; ROW]);
 }
@@ -99,6 +121,27 @@ impl Rows for Portable {
             less |= u32::from(a[i] < f64::from(b[i])) << i;
         }
         less
+    }
+    #[inline(always)]
+    fn same(a: &[u32; ROW], b: u32) -> u32 {
+        let mut same = 0;
+        for i in 0..ROW {
+            same |= u32::from(a[i] == b) << i;
+        }
+        same
+    }
+    #[inline(always)]
+    fn take_in(least: &mut Least, costs: &[f32; ROW], lists: &[u32; ROW], offer: Offer) {
+        for i in 0..ROW {
+            let new = if lists[i] == offer.of { costs[i] + offer.length } else { f32::INFINITY };
+            let old = least.cost[i];
+            let is_less = new < old;
+            let more = if is_less { old } else { new };
+            least.second[i] = if more < least.second[i] { more } else { least.second[i] };
+            least.cost[i] = if is_less { new } else { old };
+            least.by[i] = if is_less { offer.by } else { least.by[i] };
+            least.list[i] = if is_less { offer.list } else { least.list[i] };
+        }
     }
     #[inline(always)]
     fn list(bits: u32, first: u32, to: &mut [u32; ROW]) {
@@ -214,7 +257,7 @@ pub(super) mod x86 {
 
     use std::arch::x86_64::*;
 
-    use super::{Lanes, ROW, Rows, Vector};
+    use super::{Lanes, Least, Offer, ROW, Rows, Vector};
 
     #[derive(Clone, Copy)]
     pub struct Avx512(__m512i);
@@ -293,6 +336,34 @@ pub(super) mod x86 {
                 _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) as u32
             };
             half(&a[..4], &b[..4]) | half(&a[4..], &b[4..]) << 4
+        }
+        #[inline(always)]
+        fn same(a: &[u32; ROW], b: u32) -> u32 {
+            unsafe {
+                let same =
+                    _mm256_cmpeq_epi32(_mm256_loadu_si256(a.as_ptr().cast()), _mm256_set1_epi32(b as i32));
+                _mm256_movemask_ps(_mm256_castsi256_ps(same)) as u32
+            }
+        }
+        #[inline(always)]
+        fn take_in(least: &mut Least, costs: &[f32; ROW], lists: &[u32; ROW], offer: Offer) {
+            let all = |value: u32| unsafe { _mm256_castsi256_ps(_mm256_set1_epi32(value as i32)) };
+            unsafe {
+                let lists = _mm256_loadu_si256(lists.as_ptr().cast());
+                let made = _mm256_cmpeq_epi32(lists, _mm256_set1_epi32(offer.of as i32));
+                let new = _mm256_add_ps(_mm256_loadu_ps(costs.as_ptr()), _mm256_set1_ps(offer.length));
+                let new = _mm256_blendv_ps(_mm256_set1_ps(f32::INFINITY), new, _mm256_castsi256_ps(made));
+                let old = _mm256_loadu_ps(least.cost.as_ptr());
+                let is_less = _mm256_cmp_ps::<_CMP_LT_OQ>(new, old);
+                let second = _mm256_loadu_ps(least.second.as_ptr());
+                let by = _mm256_blendv_ps(_mm256_loadu_ps(least.by.as_ptr().cast()), all(offer.by), is_less);
+                let list =
+                    _mm256_blendv_ps(_mm256_loadu_ps(least.list.as_ptr().cast()), all(offer.list), is_less);
+                _mm256_storeu_ps(least.second.as_mut_ptr(), _mm256_min_ps(_mm256_max_ps(new, old), second));
+                _mm256_storeu_ps(least.cost.as_mut_ptr(), _mm256_min_ps(new, old));
+                _mm256_storeu_ps(least.by.as_mut_ptr().cast(), by);
+                _mm256_storeu_ps(least.list.as_mut_ptr().cast(), list);
+            }
         }
         #[inline(always)]
         fn list(bits: u32, first: u32, to: &mut [u32; ROW]) {
@@ -408,51 +479,31 @@ impl Path {
 /// The `walk` of a walker with a `walk_in` that is generic over [`Rows`]: as wide as the processor of `paths` allows. Rows of
 /// eight are those of AVX2 under AVX-512 too, which then compiles the rest of the walk.
 macro_rules! walk_by_rows {
-    ($(#[$doc:meta])* $beyond:ty) => {
+    ($(#[$doc:meta])* $($name:ident: $type:ty),*) => {
         $(#[$doc])*
-        pub fn walk(
-            &mut self,
-            paths: &Paths<'_>,
-            corners: Option<&Corners<$beyond>>,
-            roots: &[u32],
-            radius: f64,
-        ) {
+        pub fn walk(&mut self, paths: &Paths<'_>, $($name: $type),*) {
             match paths.path {
                 // SAFETY: a path is only made for a processor that has its instructions.
                 #[cfg(target_arch = "x86_64")]
                 #[allow(unsafe_code)]
-                $crate::lanes::Path::Avx512 => unsafe { self.walk_avx512(paths, corners, roots, radius) },
+                $crate::lanes::Path::Avx512 => unsafe { self.walk_avx512(paths, $($name),*) },
                 #[cfg(target_arch = "x86_64")]
                 #[allow(unsafe_code)]
-                $crate::lanes::Path::Avx2 => unsafe { self.walk_avx2(paths, corners, roots, radius) },
-                $crate::lanes::Path::Portable => {
-                    self.walk_in::<$crate::lanes::Portable>(paths, corners, roots, radius);
-                }
+                $crate::lanes::Path::Avx2 => unsafe { self.walk_avx2(paths, $($name),*) },
+                $crate::lanes::Path::Portable => self.walk_in::<$crate::lanes::Portable>(paths, $($name),*),
             }
         }
 
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = "avx512f,avx512dq,avx2,popcnt,bmi1,bmi2")]
-        fn walk_avx512(
-            &mut self,
-            paths: &Paths<'_>,
-            corners: Option<&Corners<$beyond>>,
-            roots: &[u32],
-            radius: f64,
-        ) {
-            self.walk_in::<$crate::lanes::x86::Avx2>(paths, corners, roots, radius);
+        fn walk_avx512(&mut self, paths: &Paths<'_>, $($name: $type),*) {
+            self.walk_in::<$crate::lanes::x86::Avx2>(paths, $($name),*);
         }
 
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
-        fn walk_avx2(
-            &mut self,
-            paths: &Paths<'_>,
-            corners: Option<&Corners<$beyond>>,
-            roots: &[u32],
-            radius: f64,
-        ) {
-            self.walk_in::<$crate::lanes::x86::Avx2>(paths, corners, roots, radius);
+        fn walk_avx2(&mut self, paths: &Paths<'_>, $($name: $type),*) {
+            self.walk_in::<$crate::lanes::x86::Avx2>(paths, $($name),*);
         }
     };
 }

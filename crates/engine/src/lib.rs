@@ -38,6 +38,7 @@ use std::sync::Arc;
 use geometry::{PointUm, Segment};
 
 mod bit_rows;
+mod bundle;
 mod corners;
 mod dense;
 pub mod evaluator;

@@ -12,6 +12,8 @@ pub(super) struct Offsets {
     centre: u32,
     /// By row, then column, with room for a row of eight on both sides; empty if there are too many.
     pub lengths: Vec<f64>,
+    /// The same in single precision.
+    pub singles: Vec<f32>,
     pub directions: Vec<f64>,
 }
 
@@ -20,11 +22,13 @@ impl Offsets {
         let [w, h] = size.map(i64::from);
         let wide = 2 * (w + ROW as i64) + 1;
         let centre = (h * wide + w) as u32 + ROW as u32;
-        let mut new = Self { stride: wide as usize, centre, lengths: Vec::new(), directions: Vec::new() };
+        let (lengths, singles, directions) = (Vec::new(), Vec::new(), Vec::new());
+        let mut new = Self { stride: wide as usize, centre, lengths, singles, directions };
         if wide.saturating_mul(2 * h + 1) <= MAX_OFFSETS {
             let reach = size[0] + ROW as i32;
             let all = || (-size[1]..=size[1]).flat_map(|y| (-reach..=reach).map(move |x| [x, y]));
             new.lengths = all().map(length_of).collect();
+            new.singles = all().map(single_of).collect();
             new.directions = all().map(direction_of).collect();
         }
         new
@@ -45,6 +49,10 @@ impl Offsets {
 pub(super) fn length_of([x, y]: [i32; 2]) -> f64 {
     let [x, y] = [f64::from(x), f64::from(y)];
     (x * x + y * y).sqrt()
+}
+
+pub(super) fn single_of(offset: [i32; 2]) -> f32 {
+    length_of(offset) as f32
 }
 
 pub(super) fn direction_of([x, y]: [i32; 2]) -> f64 {

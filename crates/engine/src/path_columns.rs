@@ -10,11 +10,13 @@ use enfilade_brief::column::{
 use enfilade_brief::{Measure, column_of};
 use rayon::prelude::*;
 
+use super::bundle::{Bundle, ROOTS};
 use super::corners::{Corners, STRAIGHTEST_MAX};
 use super::measures::{Column, UNDEFINED, transpose};
+use super::offsets::turn;
 use super::order::Order;
 use super::paths::Paths;
-use super::queue::cost_of;
+use super::queue::{Key, cost_of};
 use super::shortest::Shortest;
 use super::straightest::Straightest;
 
@@ -28,24 +30,19 @@ impl Paths<'_> {
     /// The values of [`metric_columns`](Self::metric_columns) for some vertices.
     pub fn metric_rows(&self, vertices: &[u32], radius_m: Option<f64>) -> Vec<[f64; 4]> {
         let limit = self.radius(radius_m);
-        let corners = Corners::shortest(self);
-        let in_metres = |cells: f64| (cells * self.spacing_m()) as f32;
-        let row = |(walk, order): &mut (Shortest, Order), v: u32| {
-            let root = self.slot_of_vertex[v as usize];
-            walk.walk(self, corners.as_ref(), &[root], limit);
-            let reached = order.by_cost(self, walk.reached(), &walk.cost, limit);
-            let mut sums = [0f32; 3];
-            for &key in reached {
-                let slot = self.slot_of_vertex[key as u32 as usize];
-                sums[0] += walk.turned(self, slot);
-                sums[1] += in_metres(f64::from(cost_of(key)));
-                sums[2] += in_metres(self.length(root, slot));
-            }
-            let n = reached.len() as f64;
-            let [angle, length, straight] = sums.map(|sum| f64::from(sum) / n);
-            [angle, length, straight, n]
+        let Some(corners) = Corners::shortest(self) else { return self.metric_rows_apart(vertices, limit) };
+        let walk = || (Bundle::new(self, &corners), Order::default(), Turns::new(self));
+        let row = |(walk, order, turns): &mut (Bundle, Order, Turns), some: &[u32]| {
+            let roots: Vec<u32> = some.iter().map(|v| self.slot_of_vertex[*v as usize]).collect();
+            walk.walk(self, &corners, &roots, limit);
+            let of = |(lane, root): (usize, &u32)| {
+                let (ways, most) = (walk.ways(lane), (walk.highest(lane), limit));
+                let reached = order.by_cost(self, walk.reached(), |slot| ways[slot as usize].cost, most);
+                turns.row(self, reached, *root, |slot| ways[slot as usize].before)
+            };
+            roots.iter().enumerate().map(of).collect::<Vec<_>>()
         };
-        self.rows(vertices, || (Shortest::new(self), Order::default()), row)
+        self.rows(vertices, ROOTS, walk, row)
     }
 
     /// `Angular Mean Depth`, `Angular Node Count`, `Angular Total Depth`. Paths of more than `radius`
@@ -58,13 +55,16 @@ impl Paths<'_> {
     pub fn angular_rows(&self, vertices: &[u32], radius: Option<f64>) -> Vec<[f64; 3]> {
         let limit = radius.unwrap_or(f64::INFINITY);
         let corners = Corners::straightest(self, STRAIGHTEST_MAX);
-        let row = |walk: &mut Straightest, v: u32| {
-            walk.walk(self, corners.as_ref(), &[self.slot_of_vertex[v as usize]], limit);
-            let total = f64::from(walk.reached.iter().sum::<f32>());
-            let n = walk.reached.len() as f64;
-            [total / n, n, total]
+        let row = |walk: &mut Straightest, some: &[u32]| {
+            let of = |v: &u32| {
+                walk.walk(self, corners.as_ref(), &[self.slot_of_vertex[*v as usize]], limit);
+                let total = f64::from(walk.reached.iter().sum::<f32>());
+                let n = walk.reached.len() as f64;
+                [total / n, n, total]
+            };
+            some.iter().map(of).collect()
         };
-        self.rows(vertices, || Straightest::new(self), row)
+        self.rows(vertices, 1, || Straightest::new(self), row)
     }
 
     /// Visual, metric (metres) and angular depth of every vertex from the nearest of some vertices;
@@ -83,7 +83,7 @@ impl Paths<'_> {
         let mut columns = vec![column(VISUAL_STEP_DEPTH, &seen)];
         let roots: Vec<u32> = from.iter().map(|&v| self.slot_of_vertex[v as usize]).collect();
         let mut walk = Shortest::new(self);
-        walk.walk(self, None, &roots, f64::INFINITY);
+        walk.walk(self, &roots, f64::INFINITY);
         let turned = |slot| cost_in(&walk.cost, slot).map(|_| f64::from(walk.turned(self, slot)));
         columns.push(column(METRIC_STEP_TURN, &turned));
         let length = |slot| cost_in(&walk.cost, slot).map(|cost| f64::from(cost) * self.spacing_m());
@@ -94,20 +94,44 @@ impl Paths<'_> {
         columns
     }
 
-    /// What is walked from some vertices, in their order.
+    /// As [`metric_rows`](Self::metric_rows), root by root.
+    fn metric_rows_apart(&self, vertices: &[u32], limit: f64) -> Vec<[f64; 4]> {
+        let walk = || (Shortest::new(self), Order::default(), Turns::new(self));
+        let row = |(walk, order, turns): &mut (Shortest, Order, Turns), some: &[u32]| {
+            let of = |v: &u32| {
+                let root = self.slot_of_vertex[*v as usize];
+                walk.walk(self, &[root], limit);
+                let highest = walk.reached().iter().map(|slot| walk.cost[*slot as usize]).fold(0.0, f32::max);
+                let reached =
+                    order.by_cost(self, walk.reached(), |slot| walk.cost[slot as usize], (highest, limit));
+                turns.row(self, reached, root, |slot| walk.before(slot))
+            };
+            some.iter().map(of).collect()
+        };
+        self.rows(vertices, 1, walk, row)
+    }
+
+    /// What is walked from some vertices, so many at once, in their order.
     fn rows<W, const K: usize>(
         &self,
         vertices: &[u32],
+        at_once: usize,
         walk: impl Fn() -> W + Sync + Send,
-        row: impl Fn(&mut W, u32) -> [f64; K] + Sync + Send,
+        rows: impl Fn(&mut W, &[u32]) -> Vec<[f64; K]> + Sync + Send,
     ) -> Vec<[f64; K]> {
-        // Neighbours in a tile follow one another: their walks go through the same lists, which stay in the cache.
+        // Neighbours in a quarter of a tile follow one another: their walks go through the same lists, which stay in the
+        // cache.
+        let place = |i: &usize| {
+            let slot = self.slot_of_vertex[vertices[*i] as usize];
+            (slot >> 6, slot >> 5 & 1, slot >> 2 & 1, slot)
+        };
         let mut order: Vec<usize> = (0..vertices.len()).collect();
-        order.sort_unstable_by_key(|&i| self.graph.tiles.rank_of[vertices[i] as usize]);
-        let of = |walk: &mut W, &i: &usize| row(walk, vertices[i]);
-        let by_rank: Vec<[f64; K]> = order.par_iter().map_init(walk, of).collect();
+        order.sort_unstable_by_key(place);
+        let sorted: Vec<u32> = order.iter().map(|&i| vertices[i]).collect();
+        let of = |walk: &mut W, some: &[u32]| rows(walk, some);
+        let found: Vec<Vec<[f64; K]>> = sorted.par_chunks(at_once).map_init(walk, of).collect();
         let mut out = vec![[0.0; K]; vertices.len()];
-        order.into_iter().zip(by_rank).for_each(|(i, row)| out[i] = row);
+        order.into_iter().zip(found.into_iter().flatten()).for_each(|(i, row)| out[i] = row);
         out
     }
 
@@ -117,6 +141,49 @@ impl Paths<'_> {
 
     fn radius(&self, radius_m: Option<f64>) -> f64 {
         radius_m.map_or(f64::INFINITY, |r| r / self.spacing_m())
+    }
+}
+
+/// What ways turned when they reached a cell, by slot: the angle so far, and the direction of the last piece.
+struct Turns {
+    angle: Vec<f32>,
+    heading: Vec<f64>,
+}
+
+impl Turns {
+    fn new(paths: &Paths<'_>) -> Self {
+        let slots = paths.vertex_of_slot.len();
+        Self { angle: vec![0.0; slots], heading: vec![0.0; slots] }
+    }
+
+    /// Mean turn, length, straight length and number of what one root reaches, in the order of its cost.
+    #[inline(always)]
+    fn row(
+        &mut self,
+        paths: &Paths<'_>,
+        reached: &[Key],
+        root: u32,
+        before: impl Fn(u32) -> u32,
+    ) -> [f64; 4] {
+        let spacing_m = paths.spacing_m();
+        let in_metres = |cells: f64| (cells * spacing_m) as f32;
+        let mut sums = [0f32; 3];
+        // Ways turn for nothing at their root.
+        (self.angle[root as usize], self.heading[root as usize]) = (f32::NEG_INFINITY, 0.0);
+        for &key in reached.iter().skip(1) {
+            let slot = paths.slot_of_vertex[key as u32 as usize];
+            let before = before(slot);
+            let heading = paths.direction(before, slot);
+            let angle = self.angle[before as usize] + turn(self.heading[before as usize], heading);
+            let angle = if angle > 0.0 { angle } else { 0.0 };
+            (self.angle[slot as usize], self.heading[slot as usize]) = (angle, heading);
+            sums[0] += angle;
+            sums[1] += in_metres(f64::from(cost_of(key)));
+            sums[2] += in_metres(paths.length(root, slot));
+        }
+        let n = reached.len() as f64;
+        let [angle, length, straight] = sums.map(|sum| f64::from(sum) / n);
+        [angle, length, straight, n]
     }
 }
 
@@ -272,20 +339,26 @@ mod tests {
             let turning = if everywhere { Turning::Everywhere } else { Turning::AtWalls };
             let graph = visibility::visibility_graph(&lattice, &obstacles);
             let mut paths = Paths::new(&lattice, &graph, &obstacles, turning);
-            let corners = Corners::shortest(&paths);
-            let mut walk = Shortest::new(&paths);
-            for root in (0..lattice.cells.len() as u32).step_by(37) {
-                let slot = [paths.slot_of_vertex[root as usize]];
-                let costs = |walk: &Shortest| {
-                    let cost = paths.slot_of_vertex.iter().map(|&s| f64::from(walk.cost[s as usize]));
-                    cost.collect::<Vec<f64>>()
-                };
-                let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a == b || (a - b).abs() < 1e-4);
-                walk.walk(&paths, None, &slot, f64::INFINITY);
-                let plain = costs(&walk);
-                prop_assert!(near(&plain, &by_dijkstra(&paths, &lattice, root, true)));
-                walk.walk(&paths, corners.as_ref(), &slot, f64::INFINITY);
-                prop_assert!(near(&costs(&walk), &plain));
+            let corners = Corners::shortest(&paths).unwrap();
+            let (mut walk, mut bundle) = (Shortest::new(&paths), Bundle::new(&paths, &corners));
+            let slots: Vec<u32> = (0..graph.len()).step_by(37).map(|v| paths.slot_of_vertex[v]).collect();
+            let near = |a: f64, b: f64| a == b || (a - b).abs() < 1e-4;
+            for roots in slots.chunks(ROOTS) {
+                bundle.walk(&paths, &corners, roots, f64::INFINITY);
+                for (lane, root) in roots.iter().enumerate() {
+                    walk.walk(&paths, &[*root], f64::INFINITY);
+                    let vertex = paths.vertex_of_slot[*root as usize];
+                    let expected = by_dijkstra(&paths, &lattice, vertex, true);
+                    let mut costs = vec![f64::INFINITY; graph.len()];
+                    for &slot in bundle.reached() {
+                        let cost = bundle.ways(lane)[slot as usize].cost;
+                        costs[paths.vertex_of_slot[slot as usize] as usize] = f64::from(cost);
+                    }
+                    for (v, &expected) in expected.iter().enumerate() {
+                        let plain = f64::from(walk.cost[paths.slot_of_vertex[v] as usize]);
+                        prop_assert!(near(plain, expected) && near(costs[v], expected));
+                    }
+                }
             }
             let best: Vec<Column> = paths.angular_columns(None);
             for path in Path::available() {

@@ -6,7 +6,7 @@ use crate::geometry::UM_PER_M;
 
 use super::graph::Graph;
 use super::lanes::{Path, ROW};
-use super::offsets::{Offsets, direction_of, length_of};
+use super::offsets::{Offsets, direction_of, length_of, single_of};
 use super::tiles::Tiles;
 use super::{Lattice, Obstacles};
 
@@ -93,6 +93,13 @@ impl<'a> Paths<'a> {
         found.unwrap_or_else(|| length_of(self.offset(from, to)))
     }
 
+    /// The same in single precision.
+    #[inline(always)]
+    pub(super) fn single(&self, from: u32, to: u32) -> f32 {
+        let found = self.offsets.singles.get(self.entry(from, to)).copied();
+        found.unwrap_or_else(|| single_of(self.offset(from, to)))
+    }
+
     /// Right angles from +x, anticlockwise.
     #[inline(always)]
     pub(super) fn direction(&self, from: u32, to: u32) -> f64 {
@@ -102,14 +109,20 @@ impl<'a> Paths<'a> {
 
     /// A table at eight slots from one on, along x, or what stands there where it is empty.
     #[inline(always)]
-    pub(super) fn row(&self, table: &[f64], from: u32, first: u32, value: fn([i32; 2]) -> f64) -> [f64; ROW] {
+    pub(super) fn row<T: Copy>(
+        &self,
+        table: &[T],
+        from: u32,
+        first: u32,
+        value: fn([i32; 2]) -> T,
+    ) -> [T; ROW] {
         let found = table.get(self.entry(from, first)..).and_then(|t| t.first_chunk::<ROW>());
         if let Some(found) = found { *found } else { self.computed_row(from, first, value) }
     }
 
     #[cold]
     #[inline(never)]
-    fn computed_row(&self, from: u32, first: u32, value: fn([i32; 2]) -> f64) -> [f64; ROW] {
+    fn computed_row<T>(&self, from: u32, first: u32, value: fn([i32; 2]) -> T) -> [T; ROW] {
         let [x, y] = self.offset(from, first);
         std::array::from_fn(|i| value([x + i as i32, y]))
     }

@@ -71,7 +71,7 @@ impl Straightest {
 
     walk_by_rows!(
         /// Walks from some slots; costs beyond `radius` need not be the lowest. Corners pay where many roots share them.
-        Turned
+        corners: Option<&Corners<Turned>>, roots: &[u32], radius: f64
     );
 
     #[inline(always)]
