@@ -7,7 +7,6 @@ use super::Sky;
 use super::levels::{Head, Levels, Order};
 use super::plan::Star;
 use super::planes::{Held, LanesIn, MIXED, Plane, UNSET, WORD, Word, Words, ZERO, add, is_within};
-use super::sight::Near;
 
 /// The planes of a star, in the order they are made.
 const NEARER: usize = 0;
@@ -156,8 +155,8 @@ impl<'a, const W: usize> Walk<'a, W> {
     fn only_word<const P: usize>(&self, t: usize) -> u32 {
         let plane = &self.planes[P];
         let mut only = UNSET;
-        for near in self.sky.sight.of(t) {
-            let word = plane.tile[near.tile as usize];
+        for &near in self.sky.sight.of(t) {
+            let word = plane.tile[near as usize];
             if word != UNSET && word != only {
                 if only != UNSET || word == MIXED {
                     return UNSET;
@@ -221,16 +220,14 @@ impl<'a, const W: usize> Walk<'a, W> {
         if steps < 2 {
             return;
         }
-        for near in self.sky.sight.of(t) {
-            let lanes = self.lanes[near.tile as usize];
+        for (&tile, near) in self.sky.sight.of(t).iter().zip(self.sky.sight.near(t)) {
+            let lanes = self.lanes[tile as usize];
             if lanes.cells & near.any == 0 {
                 continue;
             }
+            let (seeing, seen) = self.sky.sight.views(near);
             for (cell, word) in &mut *pieces {
-                let seen = match near.square {
-                    Near::ALL => lanes.cells,
-                    i => self.sky.sight.squares[i as usize].0[cell.trailing_zeros() as usize & 63],
-                };
+                let seen = if near.sees_all() { lanes.cells } else { V::union_by(seen, seeing, *cell) };
                 lanes.set::<V, W>(seen, word);
             }
         }
@@ -243,15 +240,23 @@ impl<'a, const W: usize> Walk<'a, W> {
         let own = if P == NEARER { &*nearer } else { &*within };
         let (group, none) = (levels.cells[g], levels.cells.len());
         let (mut base, mut any) = ([u64::MAX; W], [0; W]);
-        for near in sky.sight.of(t) {
-            let head = levels.tiles[near.tile as usize];
-            let [all, some] = &own.sums[head.group(level - 1, none)];
+        // Without a branch, as nobody can tell which tiles have groups.
+        let mut there = 0;
+        for (i, &near) in (0u32..).zip(sky.sight.of(t)) {
+            let head = levels.tiles[near as usize];
+            let before = head.group(level - 1, none);
+            scratch.sources[there] = (i, before as u32, true);
+            there += usize::from(before != none);
+            let [all, some] = &own.sums[before];
             for i in 0..W {
                 base[i] &= all[i];
                 any[i] |= some[i];
             }
             if P == WITHIN {
-                let [_, some] = &nearer.sums[head.group(level, none)];
+                let beside = head.group(level, none);
+                scratch.sources[there] = (i, beside as u32, false);
+                there += usize::from(beside != none);
+                let [_, some] = &nearer.sums[beside];
                 for i in 0..W {
                     any[i] |= some[i];
                 }
@@ -263,22 +268,17 @@ impl<'a, const W: usize> Walk<'a, W> {
         }
         // Again without a branch: which bring more.
         let mut count = 0;
-        for (i, near) in (0u32..).zip(sky.sight.of(t)) {
-            let head = levels.tiles[near.tile as usize];
-            let before = head.group(level - 1, none);
-            scratch.sources[count] = (i, before as u32, true);
-            count += usize::from(!is_within(&own.sums[before][1], &base));
-            if P == WITHIN {
-                let beside = head.group(level, none);
-                scratch.sources[count] = (i, beside as u32, false);
-                count += usize::from(!is_within(&nearer.sums[beside][1], &base));
-            }
+        for at in 0..there {
+            let (i, from, is_own) = scratch.sources[at];
+            scratch.sources[count] = (i, from, is_own);
+            let [_, some] = if is_own { &own.sums[from as usize] } else { &nearer.sums[from as usize] };
+            count += usize::from(!is_within(some, &base));
         }
         scratch.met.resize(words.all.len(), (0, 0));
         scratch.now += 1;
         let Scratch { sources, found, met, now, .. } = scratch;
         for &(i, from, is_own) in &sources[..count] {
-            let near = &sky.sight.of(t)[i as usize];
+            let near = &sky.sight.near(t)[i as usize];
             let plane = if is_own { own } else { &*nearer };
             let whole = [(levels.cells[from as usize], plane.held[from as usize].word)];
             let parts = plane.parts_of(from as usize);
@@ -293,11 +293,12 @@ impl<'a, const W: usize> Walk<'a, W> {
                     *before = (*now, EVERYWHERE);
                     continue;
                 }
-                let mut seeing = group;
-                if near.square != Near::ALL {
-                    seeing &= V::meeting(&sky.sight.squares[near.square as usize].0, cells);
+                let mut by = group;
+                if !near.sees_all() {
+                    let (seeing, seen) = sky.sight.views(near);
+                    by &= V::union_by(seeing, seen, cells);
                 }
-                if seeing == 0 {
+                if by == 0 {
                     continue;
                 }
                 if is_new {
@@ -305,7 +306,7 @@ impl<'a, const W: usize> Walk<'a, W> {
                     found.push((0, number));
                 }
                 let found = &mut found[before.1 as usize].0;
-                *found |= seeing;
+                *found |= by;
                 if *found == group {
                     before.1 = EVERYWHERE;
                     for i in 0..W {
@@ -382,10 +383,10 @@ impl<'a, const W: usize> Walk<'a, W> {
         plane.sums[g] = [self.words.all[word as usize]; 2];
         if plane.tile[t] == UNSET {
             plane.tile[t] = word;
-            for near in self.sky.sight.of(t) {
-                let other = plane.tile[near.tile as usize];
+            for &near in self.sky.sight.of(t) {
+                let other = plane.tile[near as usize];
                 if other != UNSET && other != word {
-                    self.awake[near.tile as usize] = true;
+                    self.awake[near as usize] = true;
                 }
             }
         } else if plane.tile[t] != word {
@@ -397,7 +398,7 @@ impl<'a, const W: usize> Walk<'a, W> {
     #[inline(always)]
     fn mix<const P: usize>(&mut self, t: usize) {
         if std::mem::replace(&mut self.planes[P].tile[t], MIXED) != MIXED {
-            self.sky.sight.of(t).iter().for_each(|near| self.awake[near.tile as usize] = true);
+            self.sky.sight.of(t).iter().for_each(|near| self.awake[*near as usize] = true);
             self.awake[t] = true;
         }
     }
