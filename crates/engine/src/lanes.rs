@@ -34,8 +34,8 @@ pub(super) trait Vector: Copy {
     fn is_zero(self) -> bool;
     /// The bits of a word under the ones of a mask, next to each other from bit 0 on.
     fn gather(word: u64, mask: u64) -> u64;
-    /// Bit `i`: whether row `i` has a bit of a mask.
-    fn meeting(rows: &[u64; 64], mask: u64) -> u64;
+    /// The union of the words whose keys have a bit of a mask; as many keys as words, in fours.
+    fn union_by(words: &[u64], keys: &[u64], mask: u64) -> u64;
 
     fn zero() -> Self {
         Self::load(&Lanes([0; 8]))
@@ -238,12 +238,12 @@ impl Vector for Portable {
         gathered
     }
     #[inline(always)]
-    fn meeting(rows: &[u64; 64], mask: u64) -> u64 {
-        let mut meeting = 0;
-        for (i, row) in rows.iter().enumerate() {
-            meeting |= u64::from(row & mask != 0) << i;
+    fn union_by(words: &[u64], keys: &[u64], mask: u64) -> u64 {
+        let mut union = 0;
+        for (word, key) in words.iter().zip(keys) {
+            union |= word & u64::from(key & mask != 0).wrapping_neg();
         }
-        meeting
+        union
     }
 }
 
@@ -258,6 +258,23 @@ pub(super) mod x86 {
     use std::arch::x86_64::*;
 
     use super::{Lanes, Least, Offer, ROW, Rows, Vector};
+
+    /// [`Vector::union_by`] for both: words are seldom more than a few fours.
+    #[inline(always)]
+    fn union_of_fours(words: &[u64], keys: &[u64], mask: u64) -> u64 {
+        unsafe {
+            let mask = _mm256_set1_epi64x(mask as i64);
+            let mut union = _mm256_setzero_si256();
+            for (words, keys) in words.as_chunks::<4>().0.iter().zip(keys.as_chunks::<4>().0) {
+                let met = _mm256_and_si256(_mm256_loadu_si256(keys.as_ptr().cast()), mask);
+                let none = _mm256_cmpeq_epi64(met, _mm256_setzero_si256());
+                let words = _mm256_loadu_si256(words.as_ptr().cast());
+                union = _mm256_or_si256(union, _mm256_andnot_si256(none, words));
+            }
+            let half = _mm_or_si128(_mm256_castsi256_si128(union), _mm256_extracti128_si256::<1>(union));
+            (_mm_cvtsi128_si64(half) | _mm_extract_epi64::<1>(half)) as u64
+        }
+    }
 
     #[derive(Clone, Copy)]
     pub struct Avx512(__m512i);
@@ -296,18 +313,8 @@ pub(super) mod x86 {
             unsafe { _pext_u64(word, mask) }
         }
         #[inline(always)]
-        fn meeting(rows: &[u64; 64], mask: u64) -> u64 {
-            let mut meeting = 0;
-            for (i, eight) in rows.as_chunks::<8>().0.iter().enumerate() {
-                let met = unsafe {
-                    _mm512_test_epi64_mask(
-                        _mm512_loadu_si512(eight.as_ptr().cast()),
-                        _mm512_set1_epi64(mask as i64),
-                    )
-                };
-                meeting |= u64::from(met) << (8 * i);
-            }
-            meeting
+        fn union_by(words: &[u64], keys: &[u64], mask: u64) -> u64 {
+            union_of_fours(words, keys, mask)
         }
         #[inline(always)]
         fn add(self, b: Self, c: Self) -> (Self, Self) {
@@ -419,19 +426,8 @@ pub(super) mod x86 {
             unsafe { _pext_u64(word, mask) }
         }
         #[inline(always)]
-        fn meeting(rows: &[u64; 64], mask: u64) -> u64 {
-            let mut missing = 0;
-            for (i, four) in rows.as_chunks::<4>().0.iter().enumerate() {
-                let none = unsafe {
-                    let both = _mm256_and_si256(
-                        _mm256_loadu_si256(four.as_ptr().cast()),
-                        _mm256_set1_epi64x(mask as i64),
-                    );
-                    _mm256_movemask_pd(_mm256_castsi256_pd(_mm256_cmpeq_epi64(both, _mm256_setzero_si256())))
-                };
-                missing |= (none as u64) << (4 * i);
-            }
-            !missing
+        fn union_by(words: &[u64], keys: &[u64], mask: u64) -> u64 {
+            union_of_fours(words, keys, mask)
         }
     }
 }

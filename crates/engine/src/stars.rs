@@ -35,10 +35,11 @@ use super::shares::Share;
 const LANES_MIN: usize = 8;
 
 /// Vertices from which on stars are faster than waves, by a factor of 1.3 to 1.7 at 15,000 to 28,000 vertices of
-/// degree 60 to 6,200, and more from there on; at 10,000 they are slower. Measured: BENCHMARKS.md, "Stars".
+/// degree 60 to 6,200, and more from there on; at 10,000 they take half to 1.5 times as long. Measured: BENCHMARKS.md,
+/// "Stars".
 const VERTICES_MIN: usize = 15_000;
 
-/// Roots from which on the squares and halls are worth their making: that takes as long as eight waves.
+/// Roots from which on the views and halls are worth their making: that takes as long as eight waves.
 const ROOTS_MIN: usize = 4_096;
 
 /// Mean degree from which on stars have 512 lanes rather than 64: twice as many lanes as the short word holds.
@@ -66,9 +67,9 @@ struct Way {
 /// Vertices on level 1, 2, … of the roots (distinct) of a share, by their places among all roots; nothing where waves are
 /// faster. A share is of stars, in an order in which most follow the one that gives their leader's levels.
 ///
-/// The same on any number of threads. Memory: the graph once more, if its mean degree is below 2,000; 512 bytes for
-/// each pair of tiles that see each other in part; for every star that waits for a thread 16 bytes a tile and 8 for
-/// each level of it (100,000 vertices of degree 70: at most 40 wait, of 70 kB each); and for every thread as much
+/// The same on any number of threads. Memory: the graph once more, if its mean degree is below 2,000; 16 bytes for
+/// each view between two tiles, 12 views a pair on average; for every star that waits for a thread 16 bytes a tile and
+/// 8 for each level of it (100,000 vertices of degree 70: at most 40 wait, of 70 kB each); and for every thread as much
 /// as ten of these.
 pub(super) fn level_counts(graph: &Graph, roots: &[u32], share: Share) -> Option<Vec<(u32, Vec<u32>)>> {
     if graph.len() < VERTICES_MIN || roots.len() < ROOTS_MIN {

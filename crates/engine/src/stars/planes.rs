@@ -81,9 +81,8 @@ pub struct Held {
 }
 
 /// One plane of a star.
+#[derive(Default)]
 pub struct Plane<const W: usize> {
-    /// The only word of each tile so far, [`UNSET`] or [`MIXED`].
-    pub tile: Vec<u32>,
     pub held: Vec<Held>,
     /// By group, the lanes of all its cells and of any; one entry more, for no group.
     pub sums: Vec<[Word<W>; 2]>,
@@ -94,12 +93,7 @@ pub struct Plane<const W: usize> {
 }
 
 impl<const W: usize> Plane<W> {
-    pub fn new(tiles: usize) -> Self {
-        Self { tile: vec![UNSET; tiles], held: vec![], sums: vec![], parts: vec![], counts: vec![] }
-    }
-
     pub fn clear(&mut self, groups: usize, levels: usize) {
-        self.tile.fill(UNSET);
         self.held.resize(groups, Held::default());
         self.sums.resize(groups + 1, [[0; W]; 2]);
         self.sums[groups] = [[u64::MAX; W], [0; W]];
@@ -145,7 +139,7 @@ pub fn is_within<const W: usize>(a: &Word<W>, b: &Word<W>) -> bool {
     outside == 0
 }
 
-/// Adds a number of cells to the counters of the lanes of their word.
+/// Adds a number of cells to the counters of the lanes of their word; a negative one takes them off.
 #[inline(always)]
 pub fn add<const W: usize>(counts: &mut [u32], word: &Word<W>, cells: u32) {
     if cells == 0 || *word == [0; W] {
@@ -155,7 +149,7 @@ pub fn add<const W: usize>(counts: &mut [u32], word: &Word<W>, cells: u32) {
         let (low, high) = counts.split_at_mut(WORD / 2);
         for (half, counts) in [*word as u32, (*word >> 32) as u32].into_iter().zip([low, high]) {
             for (bit, count) in counts.iter_mut().enumerate() {
-                *count += cells & (half >> bit & 1).wrapping_neg();
+                *count = count.wrapping_add(cells & (half >> bit & 1).wrapping_neg());
             }
         }
     }

@@ -3,6 +3,9 @@
 use proptest::prelude::*;
 
 use super::super::forest::by_waves;
+#[cfg(target_arch = "x86_64")]
+use super::super::lanes::x86::Avx2;
+use super::super::lanes::{Portable, Vector};
 use super::super::{Obstacles, fixtures, visibility};
 use super::*;
 use crate::geometry::Segment;
@@ -67,6 +70,42 @@ proptest! {
         check(&graph, &lattice.query)?;
         let some: Vec<u32> = lattice.query.iter().copied().filter(|v| v % 7 < 3).rev().collect();
         check(&graph, &some)?;
+    }
+}
+
+/// Every path reads from the views of two tiles, made once and turned, what the rows of the graph say.
+fn check_views(graph: &Graph) -> Result<(), TestCaseError> {
+    let sight = sight::Sight::new(graph);
+    for rank in 0..graph.len() {
+        let (tile, bit) = graph.tiles.slot_of[rank];
+        let (tiles, masks) = graph.row(rank);
+        for (to, near) in sight.of(tile as usize).iter().zip(sight.near(tile as usize)) {
+            let seen = tiles.binary_search(to).map_or(0, |at| masks[at]);
+            let (seeing, views) = sight.views(near);
+            let own = if *to == tile { 1 << bit } else { 0 };
+            let read = |union: u64| (union | own) == (seen | own);
+            if near.sees_all() {
+                prop_assert!(graph.degree[rank] == 0 || (near.any | own) == (seen | own));
+                continue;
+            }
+            prop_assert!(read(Portable::union_by(views, seeing, 1 << bit)));
+            #[cfg(target_arch = "x86_64")]
+            if Path::available().contains(&Path::Avx2) {
+                prop_assert!(read(Avx2::union_by(views, seeing, 1 << bit)));
+            }
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    #[test]
+    fn views_are_the_rows_of_the_graph((lattice, obstacles) in fixtures::mazes(30)) {
+        let graph = visibility::visibility_graph(&lattice, &obstacles);
+        check_views(&graph)?;
+        check_views(&halls::by_halls(&graph))?;
     }
 }
 

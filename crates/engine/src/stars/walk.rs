@@ -7,7 +7,6 @@ use super::Sky;
 use super::levels::{Head, Levels, Order};
 use super::plan::Star;
 use super::planes::{Held, LanesIn, MIXED, Plane, UNSET, WORD, Word, Words, ZERO, add, is_within};
-use super::sight::Near;
 
 /// The planes of a star, in the order they are made.
 const NEARER: usize = 0;
@@ -20,8 +19,14 @@ pub struct Walk<'a, const W: usize> {
     order: Order,
     words: Words<W>,
     planes: [Plane<W>; 2],
-    /// Tiles that do not rest.
-    awake: Vec<bool>,
+    /// By tile, the only word of each plane so far, [`UNSET`] or [`MIXED`].
+    only: Vec<[u32; 2]>,
+    /// Tiles that do not rest, in each plane.
+    awake: Vec<[bool; 2]>,
+    /// Groups of the level that are still to be met in the second plane.
+    later: Vec<(u32, u32)>,
+    /// Tiles that the first plane woke after they had rested on the level.
+    roused: Vec<u32>,
     lanes: Vec<LanesIn>,
     scratch: Scratch<W>,
 }
@@ -40,6 +45,19 @@ struct Scratch<const W: usize> {
     parts: Vec<(u64, u32)>,
 }
 
+/// Cells that have one word.
+#[derive(Clone, Copy)]
+struct Run {
+    word: u32,
+    cells: u32,
+}
+
+impl Default for Run {
+    fn default() -> Self {
+        Self { word: ZERO, cells: 0 }
+    }
+}
+
 /// A word all of whose lanes all cells have.
 const EVERYWHERE: u32 = u32::MAX;
 
@@ -52,8 +70,11 @@ impl<'a, const W: usize> Walk<'a, W> {
             levels: Levels::default(),
             order: Order::default(),
             words: Words::new(),
-            planes: [Plane::new(tiles), Plane::new(tiles)],
-            awake: vec![false; tiles],
+            planes: [Plane::default(), Plane::default()],
+            only: vec![[UNSET; 2]; tiles],
+            awake: vec![[false; 2]; tiles],
+            later: Vec::new(),
+            roused: Vec::new(),
             lanes: vec![LanesIn::default(); tiles],
             scratch: Scratch { sources: vec![(0, 0, false); 2 * most + 2], ..Scratch::default() },
         }
@@ -65,7 +86,8 @@ impl<'a, const W: usize> Walk<'a, W> {
         self.words.clear();
         self.scratch.met.clear();
         self.scratch.now = 0;
-        self.awake.fill(false);
+        self.only.fill([UNSET; 2]);
+        self.awake.fill([false; 2]);
         let tile_of = |rank: u32| self.sky.graph.tiles.slot_of[rank as usize];
         for (lane, &rank) in (0u32..).zip(&star.lanes) {
             let (tile, bit) = tile_of(rank);
@@ -74,7 +96,7 @@ impl<'a, const W: usize> Walk<'a, W> {
                 lanes.first = lane;
             }
             lanes.cells |= 1 << bit;
-            self.awake[tile as usize] = true;
+            self.awake[tile as usize] = [true; 2];
         }
         for plane in &mut self.planes {
             plane.clear(self.levels.cells.len(), self.order.totals.len());
@@ -109,63 +131,128 @@ impl<'a, const W: usize> Walk<'a, W> {
     // From here on plain loops, no closures: they are compiled for the caller's instruction set.
     #[inline(always)]
     fn walk_in<V: Vector>(&mut self) {
-        self.make::<V, NEARER>();
-        self.make::<V, WITHIN>();
-    }
-
-    #[inline(always)]
-    fn make<V: Vector, const P: usize>(&mut self) {
-        for level in 0..self.order.totals.len() {
-            // Neighbours mostly have the same word: counted together.
-            let (mut word, mut cells) = (ZERO, 0);
-            for i in self.order.start[level] as usize..self.order.start[level + 1] as usize {
-                let (tile, group) = self.order.groups[i];
+        for level in 0..self.order.totals.len() as u32 {
+            let mut runs = [Run::default(); 2];
+            self.later.clear();
+            self.roused.clear();
+            for i in self.order.start[level as usize]..self.order.start[level as usize + 1] {
+                let (tile, group) = self.order.groups[i as usize];
                 let (t, g) = (tile as usize, group as usize);
-                if !self.awake[t] && self.planes[P].tile[t] == UNSET {
-                    let only = self.only_word::<P>(t);
-                    self.planes[P].tile[t] = only;
-                    self.awake[t] = only == UNSET;
-                }
-                if self.awake[t] {
-                    self.meet::<V, P>(t, g, level as u32);
+                self.look(t);
+                if self.awake[t][NEARER] {
+                    self.meet::<V, NEARER>(t, g, level);
                 } else {
-                    let word = self.planes[P].tile[t];
-                    self.planes[P].held[g] = Held { first: 0, end: 0, word };
-                    self.planes[P].sums[g] = [self.words.all[word as usize]; 2];
+                    self.rest::<NEARER>(t, g);
                 }
-                let plane = &mut self.planes[P];
-                let held = plane.held[g];
-                let whole = [(self.levels.cells[g], held.word)];
-                let parts = &plane.parts[held.first as usize..held.end as usize];
-                for &(more, other) in if parts.is_empty() { &whole } else { parts } {
-                    if other != word {
-                        let counts = &mut plane.counts[level * WORD * W..][..WORD * W];
-                        add(counts, &self.words.all[word as usize], cells);
-                        (word, cells) = (other, 0);
-                    }
-                    cells += more.count_ones();
+                self.count::<NEARER>(g, level, &mut runs[NEARER]);
+                if self.awake[t][WITHIN] {
+                    self.later.push((tile, group));
+                } else {
+                    self.rest::<WITHIN>(t, g);
+                    self.count::<WITHIN>(g, level, &mut runs[WITHIN]);
                 }
             }
-            let counts = &mut self.planes[P].counts[level * WORD * W..][..WORD * W];
-            add(counts, &self.words.all[word as usize], cells);
+            self.recall(level);
+            for i in 0..self.later.len() {
+                let (tile, group) = self.later[i];
+                self.meet::<V, WITHIN>(tile as usize, group as usize, level);
+                self.count::<WITHIN>(group as usize, level, &mut runs[WITHIN]);
+            }
+            self.add::<NEARER>(level, runs[NEARER]);
+            self.add::<WITHIN>(level, runs[WITHIN]);
         }
     }
 
-    /// The one word that all tiles which a tile sees have, or [`UNSET`].
+    /// Whether a tile that is reached first may rest: where all that it sees have one word.
     #[inline(always)]
-    fn only_word<const P: usize>(&self, t: usize) -> u32 {
-        let plane = &self.planes[P];
-        let mut only = UNSET;
-        for near in self.sky.sight.of(t) {
-            let word = plane.tile[near.tile as usize];
-            if word != UNSET && word != only {
-                if only != UNSET || word == MIXED {
-                    return UNSET;
-                }
-                only = word;
+    fn look(&mut self, t: usize) {
+        let is_new = |p: usize| !self.awake[t][p] && self.only[t][p] == UNSET;
+        let new = [is_new(NEARER), is_new(WITHIN)];
+        if new == [false; 2] {
+            return;
+        }
+        let words = self.only_words(t);
+        for p in [NEARER, WITHIN] {
+            if new[p] {
+                self.only[t][p] = words[p];
+                self.awake[t][p] = words[p] == UNSET;
+            }
+        }
+        if self.awake[t][NEARER] && new[NEARER] && !self.awake[t][WITHIN] {
+            self.awake[t][WITHIN] = true;
+            self.only[t][WITHIN] = UNSET;
+        }
+    }
+
+    /// Of each plane the one word that all tiles which a tile sees have, or [`UNSET`].
+    #[inline(always)]
+    fn only_words(&self, t: usize) -> [u32; 2] {
+        let (mut only, mut is_one) = ([UNSET; 2], [true; 2]);
+        for &near in self.sky.sight.of(t) {
+            let words = self.only[near as usize];
+            for p in [NEARER, WITHIN] {
+                let word = words[p];
+                is_one[p] &= (word == UNSET) | (only[p] == UNSET) | (word == only[p]);
+                only[p] = std::hint::select_unpredictable(word == UNSET, only[p], word);
+            }
+        }
+        for p in [NEARER, WITHIN] {
+            if !is_one[p] || only[p] == MIXED {
+                only[p] = UNSET;
             }
         }
         only
+    }
+
+    #[inline(always)]
+    fn rest<const P: usize>(&mut self, t: usize, g: usize) {
+        let word = self.only[t][P];
+        let plane = &mut self.planes[P];
+        plane.held[g] = Held { first: 0, end: 0, word };
+        plane.sums[g] = [self.words.all[word as usize]; 2];
+    }
+
+    /// What rested in the second plane before the first woke it: not counted, and met later.
+    #[inline(always)]
+    fn recall(&mut self, level: u32) {
+        let none = self.levels.cells.len();
+        for i in 0..self.roused.len() {
+            let tile = self.roused[i];
+            let g = self.levels.tiles[tile as usize].group(level, none);
+            if g != none {
+                let (word, cells) = (self.planes[WITHIN].held[g].word, self.levels.cells[g].count_ones());
+                self.add::<WITHIN>(level, Run { word, cells: cells.wrapping_neg() });
+                self.later.push((tile, g as u32));
+            }
+        }
+    }
+
+    /// Counts the cells of a group with those before it: neighbours mostly have the same word.
+    #[inline(always)]
+    fn count<const P: usize>(&mut self, g: usize, level: u32, run: &mut Run) {
+        let held = self.planes[P].held[g];
+        if held.first == held.end {
+            return self.extend::<P>(level, run, self.levels.cells[g], held.word);
+        }
+        for i in held.first..held.end {
+            let (cells, word) = self.planes[P].parts[i as usize];
+            self.extend::<P>(level, run, cells, word);
+        }
+    }
+
+    #[inline(always)]
+    fn extend<const P: usize>(&mut self, level: u32, run: &mut Run, cells: u64, word: u32) {
+        if word != run.word {
+            self.add::<P>(level, *run);
+            *run = Run { word, cells: 0 };
+        }
+        run.cells += cells.count_ones();
+    }
+
+    #[inline(always)]
+    fn add<const P: usize>(&mut self, level: u32, run: Run) {
+        let counts = &mut self.planes[P].counts[level as usize * WORD * W..][..WORD * W];
+        add(counts, &self.words.all[run.word as usize], run.cells);
     }
 
     /// The words of a group, from all that it sees.
@@ -221,16 +308,14 @@ impl<'a, const W: usize> Walk<'a, W> {
         if steps < 2 {
             return;
         }
-        for near in self.sky.sight.of(t) {
-            let lanes = self.lanes[near.tile as usize];
+        for (&tile, near) in self.sky.sight.of(t).iter().zip(self.sky.sight.near(t)) {
+            let lanes = self.lanes[tile as usize];
             if lanes.cells & near.any == 0 {
                 continue;
             }
+            let (seeing, seen) = self.sky.sight.views(near);
             for (cell, word) in &mut *pieces {
-                let seen = match near.square {
-                    Near::ALL => lanes.cells,
-                    i => self.sky.sight.squares[i as usize].0[cell.trailing_zeros() as usize & 63],
-                };
+                let seen = if near.sees_all() { lanes.cells } else { V::union_by(seen, seeing, *cell) };
                 lanes.set::<V, W>(seen, word);
             }
         }
@@ -243,15 +328,23 @@ impl<'a, const W: usize> Walk<'a, W> {
         let own = if P == NEARER { &*nearer } else { &*within };
         let (group, none) = (levels.cells[g], levels.cells.len());
         let (mut base, mut any) = ([u64::MAX; W], [0; W]);
-        for near in sky.sight.of(t) {
-            let head = levels.tiles[near.tile as usize];
-            let [all, some] = &own.sums[head.group(level - 1, none)];
+        // Without a branch, as nobody can tell which tiles have groups.
+        let mut there = 0;
+        for (i, &near) in (0u32..).zip(sky.sight.of(t)) {
+            let head = levels.tiles[near as usize];
+            let before = head.group(level - 1, none);
+            scratch.sources[there] = (i, before as u32, true);
+            there += usize::from(before != none);
+            let [all, some] = &own.sums[before];
             for i in 0..W {
                 base[i] &= all[i];
                 any[i] |= some[i];
             }
             if P == WITHIN {
-                let [_, some] = &nearer.sums[head.group(level, none)];
+                let beside = head.group(level, none);
+                scratch.sources[there] = (i, beside as u32, false);
+                there += usize::from(beside != none);
+                let [_, some] = &nearer.sums[beside];
                 for i in 0..W {
                     any[i] |= some[i];
                 }
@@ -263,22 +356,17 @@ impl<'a, const W: usize> Walk<'a, W> {
         }
         // Again without a branch: which bring more.
         let mut count = 0;
-        for (i, near) in (0u32..).zip(sky.sight.of(t)) {
-            let head = levels.tiles[near.tile as usize];
-            let before = head.group(level - 1, none);
-            scratch.sources[count] = (i, before as u32, true);
-            count += usize::from(!is_within(&own.sums[before][1], &base));
-            if P == WITHIN {
-                let beside = head.group(level, none);
-                scratch.sources[count] = (i, beside as u32, false);
-                count += usize::from(!is_within(&nearer.sums[beside][1], &base));
-            }
+        for at in 0..there {
+            let (i, from, is_own) = scratch.sources[at];
+            scratch.sources[count] = (i, from, is_own);
+            let [_, some] = if is_own { &own.sums[from as usize] } else { &nearer.sums[from as usize] };
+            count += usize::from(!is_within(some, &base));
         }
         scratch.met.resize(words.all.len(), (0, 0));
         scratch.now += 1;
         let Scratch { sources, found, met, now, .. } = scratch;
         for &(i, from, is_own) in &sources[..count] {
-            let near = &sky.sight.of(t)[i as usize];
+            let near = &sky.sight.near(t)[i as usize];
             let plane = if is_own { own } else { &*nearer };
             let whole = [(levels.cells[from as usize], plane.held[from as usize].word)];
             let parts = plane.parts_of(from as usize);
@@ -293,11 +381,12 @@ impl<'a, const W: usize> Walk<'a, W> {
                     *before = (*now, EVERYWHERE);
                     continue;
                 }
-                let mut seeing = group;
-                if near.square != Near::ALL {
-                    seeing &= V::meeting(&sky.sight.squares[near.square as usize].0, cells);
+                let mut by = group;
+                if !near.sees_all() {
+                    let (seeing, seen) = sky.sight.views(near);
+                    by &= V::union_by(seeing, seen, cells);
                 }
-                if seeing == 0 {
+                if by == 0 {
                     continue;
                 }
                 if is_new {
@@ -305,7 +394,7 @@ impl<'a, const W: usize> Walk<'a, W> {
                     found.push((0, number));
                 }
                 let found = &mut found[before.1 as usize].0;
-                *found |= seeing;
+                *found |= by;
                 if *found == group {
                     before.1 = EVERYWHERE;
                     for i in 0..W {
@@ -380,15 +469,15 @@ impl<'a, const W: usize> Walk<'a, W> {
         let plane = &mut self.planes[P];
         plane.held[g] = Held { first: 0, end: 0, word };
         plane.sums[g] = [self.words.all[word as usize]; 2];
-        if plane.tile[t] == UNSET {
-            plane.tile[t] = word;
-            for near in self.sky.sight.of(t) {
-                let other = plane.tile[near.tile as usize];
+        if self.only[t][P] == UNSET {
+            self.only[t][P] = word;
+            for &near in self.sky.sight.of(t) {
+                let other = self.only[near as usize][P];
                 if other != UNSET && other != word {
-                    self.awake[near.tile as usize] = true;
+                    self.wake::<P>(near, t);
                 }
             }
-        } else if plane.tile[t] != word {
+        } else if self.only[t][P] != word {
             self.mix::<P>(t);
         }
     }
@@ -396,10 +485,26 @@ impl<'a, const W: usize> Walk<'a, W> {
     /// A tile has more than one word: those that see it must look.
     #[inline(always)]
     fn mix<const P: usize>(&mut self, t: usize) {
-        if std::mem::replace(&mut self.planes[P].tile[t], MIXED) != MIXED {
-            self.sky.sight.of(t).iter().for_each(|near| self.awake[near.tile as usize] = true);
-            self.awake[t] = true;
+        if std::mem::replace(&mut self.only[t][P], MIXED) != MIXED {
+            self.wake::<P>(t as u32, t);
+            for &near in self.sky.sight.of(t) {
+                self.wake::<P>(near, t);
+            }
         }
+    }
+
+    /// Wakes a tile, as a tile `by` has a new word. What the first plane brings comes to the second on the same level:
+    /// tiles before `by` have rested there.
+    #[inline(always)]
+    fn wake<const P: usize>(&mut self, tile: u32, by: usize) {
+        let [nearer, within] = &mut self.awake[tile as usize];
+        if P == NEARER {
+            *nearer = true;
+            if !*within && (tile as usize) < by && self.only[tile as usize][WITHIN] != UNSET {
+                self.roused.push(tile);
+            }
+        }
+        *within = true;
     }
 
     /// Vertices on level 1, 2, … of a lane.
@@ -435,7 +540,7 @@ impl<'a, const W: usize> Walk<'a, W> {
             if head.present == 0 {
                 continue;
             }
-            let only = [NEARER, WITHIN].map(|plane| self.planes[plane].tile[t]);
+            let only = self.only[t];
             if !only.contains(&MIXED) {
                 let steps = only.map(|number| u32::from(has(number)));
                 new.push_shifted(t, &self.levels, 2 - steps[0] - steps[1]);
