@@ -94,7 +94,7 @@ def tables(study: Study, outlines: List[Outline], handles: Dict[str, str]) -> Li
         own = [o for o in outlines if o.owner == element.id]
         table: Dict[str, Any] = {"name": element.label, "moves": text_of(element.works)}
         if isinstance(element, Drawn):
-            table["handles"] = [handles[o.host_id] for o in own]
+            table["handles"] = list(dict.fromkeys(handles[o.host_id] for o in own))
         else:
             table["nodes"] = list(dict.fromkeys(p for o in own for p in o.points))
         out.append(table)

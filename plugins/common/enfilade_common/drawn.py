@@ -20,17 +20,22 @@ def draw(out: Drawing, study: Study) -> Dict[str, str]:
     for drawn in study.drawn:
         for i, stroke in enumerate(drawn.strokes):
             id = f"{drawn.id}/{i}"
-            handles[id] = _draw(out, drawn.layer, stroke, (id, drawn.label))
+            handles[id] = draw_stroke(out, drawn.layer, stroke, (id, drawn.label))
+    draw_kept(out, study)
+    return handles
+
+
+def draw_kept(out: Drawing, study: Study) -> None:
+    """Marks round the points that stay."""
     every = [p for drawn in study.drawn for p in drawn.points()]
     by = HELD * max((max(p[k] for p in every) - min(p[k] for p in every) for k in (0, 1) if every), default=0.0)
     for drawn in study.drawn:
         if drawn.keep or drawn.locked or drawn.is_stiff and not (drawn.clauses or drawn.group):
             for x, y in dict.fromkeys(drawn.points()):
                 out.polyline("EF-KEEP", [(x + by * sx, y + by * sy) for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
-    return handles
 
 
-def _draw(out: Drawing, layer: str, stroke: Stroke, ids) -> str:
+def draw_stroke(out: Drawing, layer: str, stroke: Stroke, ids) -> str:
     if stroke.kind == "circle":
         return out.circle(layer, stroke.centre, stroke.radius, ids)
     if stroke.kind == "arc":
@@ -51,7 +56,7 @@ def move_tables(plan: Plan, handles: Dict[str, str]) -> List[Dict[str, Any]]:
     out: Dict[Tuple[str, ...], Dict[str, Any]] = {}
     for table in plan.tables:
         members = set(table.members)
-        named = [handles[o.host_id] for o in plan.outlines if o.owner in members]
+        named = list(dict.fromkeys(handles[o.host_id] for o in plan.outlines if o.owner in members))
         known = out.setdefault((table.name, *table.members), {"name": table.name, "moves": "", "handles": named})
         known["moves"] += ("; " if known["moves"] else "") + _in_mm(table.clause)
     return list(out.values())

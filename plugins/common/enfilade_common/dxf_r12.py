@@ -24,12 +24,18 @@ class Drawing:
     """Entities in the order in which they are added, each of which gives its handle; ``file_text()`` gives the file.
     ``digits`` behind the point are written; ``is_mm`` says in the file that its unit is mm."""
 
-    def __init__(self, digits: int = 3, is_mm: bool = True) -> None:
+    def __init__(self, digits: int = 3, is_mm: bool = True, scale: float = 1.0) -> None:
         self._digits, self._is_mm = digits, is_mm
+        #: Units of the host in one of the drawing.
+        self._scale = scale
         self._entities: List[str] = []
         self._points: List[Point] = []
         self._layers = dict(LAYERS)
         self._handle = 0x20
+
+    def next_handle(self) -> str:
+        self._handle += 1
+        return f"{self._handle:X}"
 
     def _begin(self, kind: str, layer: str) -> List[str]:
         self._handle += 1
@@ -42,7 +48,7 @@ class Drawing:
         """A polyline; ``ids`` become its XDATA strings."""
         out = self._begin("POLYLINE", layer)
         handle = out[3]
-        out += ["66", "1", "70", "1" if closed else "0", "10", "0.0", "20", "0.0", "30", "0.0", *_xdata(ids)]
+        out += ["66", "1", "70", "1" if closed else "0", "10", "0.0", "20", "0.0", "30", "0.0", *xdata(ids)]
         for p in points:
             out += self._begin("VERTEX", layer) + self._point(p, 0)
         out += self._begin("SEQEND", layer)
@@ -50,21 +56,22 @@ class Drawing:
         return handle
 
     def line(self, layer: str, a: Point, b: Point, ids: Iterable[str] = ()) -> str:
-        return self._add(self._begin("LINE", layer) + self._point(a, 0) + self._point(b, 1) + _xdata(ids), (a, b))
+        return self._add(self._begin("LINE", layer) + self._point(a, 0) + self._point(b, 1) + xdata(ids), (a, b))
 
     def circle(self, layer: str, centre: Point, radius: float, ids: Iterable[str] = ()) -> str:
-        out = self._begin("CIRCLE", layer) + self._point(centre, 0) + ["40", self._real(radius)]
-        return self._add(out + _xdata(ids), (centre,))
+        out = self._begin("CIRCLE", layer) + self._point(centre, 0) + ["40", self._real(radius / self._scale)]
+        return self._add(out + xdata(ids), (centre,))
 
     def arc(self, layer: str, centre: Point, radius: float, angles_deg: Point, ids: Iterable[str] = ()) -> str:
         """An arc between two angles, anticlockwise."""
-        out = self._begin("ARC", layer) + self._point(centre, 0) + ["40", self._real(radius)]
+        out = self._begin("ARC", layer) + self._point(centre, 0) + ["40", self._real(radius / self._scale)]
+        out += self._angles_begin()
         out += [v for code, angle in zip(("50", "51"), angles_deg) for v in (code, f"{angle:.9f}")]
-        return self._add(out + _xdata(ids), (centre,))
+        return self._add(out + xdata(ids), (centre,))
 
     def text(self, layer: str, at: Point, height: float, words: str) -> None:
         """A line of text, anchored at its lower left."""
-        out = self._begin("TEXT", layer) + self._point(at, 0) + ["40", number(height), "1", escaped(words)]
+        out = self._begin("TEXT", layer) + self._point(at, 0) + ["40", number(height / self._scale), "1", escaped(words)]
         self._add(out, (at,))
 
     def _add(self, groups: List[str], points: Iterable[Point]) -> str:
@@ -74,7 +81,12 @@ class Drawing:
 
     def _point(self, p: Point, index: int) -> List[str]:
         """Group codes 10/20/30 (or 11/21/31) of a point."""
-        return [f"1{index}", self._real(p[0]), f"2{index}", self._real(p[1]), f"3{index}", "0.0"]
+        x, y = (self._real(v / self._scale) for v in p)
+        return [f"1{index}", x, f"2{index}", y, f"3{index}", "0.0"]
+
+    def _angles_begin(self) -> List[str]:
+        """What comes between the circle of an arc and its angles."""
+        return []
 
     def _real(self, value: float) -> str:
         """At least one decimal as R12 readers expect."""
@@ -112,7 +124,7 @@ def _tables(layers: Dict[str, int]) -> List[str]:
     return [*out, "0", "ENDTAB", "0", "ENDSEC"]
 
 
-def _xdata(ids: Iterable[str]) -> List[str]:
+def xdata(ids: Iterable[str]) -> List[str]:
     values = [v for id in ids for v in ("1000", escaped(id)[:255])]
     return ["1001", APPLICATION, *values] if values else []
 

@@ -8,15 +8,17 @@ after a restart of the host.
 import hashlib
 import json
 import os
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Dict, List, Optional, Tuple
 
 from . import APPLICATION, __version__
 from . import allowed, drawn
+from .behind import Match
 from .dxf_r12 import Drawing
 from .model import Column, PluginError, Region, Study, Wall, default_objectives, geometry_hash
 from .moves import MoveTable, Plan, plan_of
 from .outlines import Outline, Station
+from .patched import Part, Patched, patched
 from .plane import centroid, widened
 from .toml_text import dumps
 
@@ -45,6 +47,10 @@ class Job:
     notes: List[str]
     #: The moves as written; not kept when a job is read again.
     plan: Optional[Plan] = None
+    #: Units of the host in one of the drawing.
+    scale: float = 1.0
+    #: Of entities of the file behind the shapes: which points of which strokes their corners are.
+    parts: Dict[str, List[Part]] = field(default_factory=dict)
 
     @property
     def drawing(self) -> str:
@@ -82,12 +88,13 @@ class Job:
         return out
 
 
-def write(study: Study, folder: str) -> Job:
-    """Writes a study as a job. The drawing comes last, so that a watching daemon sees all of it."""
+def write(study: Study, folder: str, behind: Optional[Match] = None) -> Job:
+    """Writes a study as a job, in the file behind its shapes where there is one. The drawing comes last, so that a
+    watching daemon sees all of it."""
     check(study)
     plan = plan_of(study)
-    text, handles = drawing_text(study, plan)
-    drawing = text.encode("ascii")
+    made = patched(behind, study, lambda out: _draw_marks(out, study, plan)) if behind else _drawn_anew(study, plan)
+    drawing, handles = made.content, made.handles
     job = Job(
         folder=folder,
         study=study,
@@ -96,6 +103,8 @@ def write(study: Study, folder: str) -> Job:
         sha256=hashlib.sha256(drawing).hexdigest(),
         notes=plan.notes,
         plan=plan,
+        scale=behind.scale if behind else 1.0,
+        parts=made.parts,
     )
     try:
         os.makedirs(folder, exist_ok=True)
@@ -143,7 +152,10 @@ def read(folder: str) -> Job:
     try:
         outlines = [_outline(o) for o in data["outlines"]]
         study = Study.from_dict(data["study"])
-        return Job(folder, study, outlines, dict(data["hashes"]), str(data["sha256"]), list(data["notes"]))
+        there = Job(folder, study, outlines, dict(data["hashes"]), str(data["sha256"]), list(data["notes"]))
+        there.scale = float(data.get("scale", 1.0))
+        there.parts = {str(k): [(str(s), int(p), int(c)) for s, p, c in v] for k, v in data.get("parts", {}).items()}
+        return there
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as e:
         broken = f"{path} is not complete ({type(e).__name__}: {e})"
         raise PluginError(broken + "; run the study again.") from e
@@ -156,6 +168,8 @@ def _study_file(job: Job) -> Dict[str, Any]:
         "sha256": job.sha256,
         "hashes": job.hashes,
         "notes": job.notes,
+        "scale": job.scale,
+        "parts": job.parts,
         "study": job.study.to_dict(),
         "outlines": [asdict(o) for o in job.outlines],
     }
@@ -165,6 +179,11 @@ def _outline(data: Dict[str, Any]) -> Outline:
     stations = data["stations"] and tuple(Station(**s) for s in data["stations"])
     points = [(float(x), float(y)) for x, y in data["points"]]
     return Outline(data["owner"], data["piece"], points, stations or None, data["first"], bool(data.get("is_open")))
+
+
+def _drawn_anew(study: Study, plan: Plan) -> Patched:
+    text, handles = drawing_text(study, plan)
+    return Patched(text.encode("ascii"), handles)
 
 
 def drawing_text(study: Study, plan: Plan) -> Tuple[str, Dict[str, str]]:
@@ -186,6 +205,12 @@ def drawing_text(study: Study, plan: Plan) -> Tuple[str, Dict[str, str]]:
                 continue
             layer = "A-GLAZ" if o.kind == "window" else "A-DOOR"
             out.line(layer, wall.at(o.start), wall.at(o.end), (o.id, o.label))
+    _draw_marks(out, study, plan)
+    return out.file_text(), handles
+
+
+def _draw_marks(out: Drawing, study: Study, plan: Plan) -> None:
+    """Our own layers."""
     for region in study.regions:
         out.polyline(region.layer(), region.points)
     for element in study.built():
@@ -193,7 +218,6 @@ def drawing_text(study: Study, plan: Plan) -> Tuple[str, Dict[str, str]]:
             out.polyline("EF-KEEP", _round_element(plan, element))
     allowed.draw_boxes(out, study)
     _note_moves(out, plan)
-    return out.file_text(), handles
 
 
 def _round_element(plan: Plan, element) -> List:

@@ -177,6 +177,11 @@ class Listener:
         return " ".join([head, *(said if code not in (0, 1, STOPPED) else [])]).strip()
 
 
+def check_arguments(drawing: str) -> List[str]:
+    """What the program is asked for how it reads a drawing, as JSON on its standard output."""
+    return ["check", drawing, "--json", "-", "--quiet"]
+
+
 def give_way(pid: int) -> None:
     """Lets everything else on the machine go first, so that the host's window stays quick."""
     if hasattr(os, "setpriority"):

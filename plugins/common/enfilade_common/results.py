@@ -1,13 +1,12 @@
 """Reading a round: options with their numbers, and where every wall of the host stands in them."""
 
-import csv
 import json
 import math
 import os
 import re
 import shutil
 from dataclasses import dataclass, field
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from . import drawn
 from .job import RESULTS, Job
@@ -28,15 +27,13 @@ from .plane import (
     plus,
     turn_about,
 )
-from .works import Work, work_outlines, works_of
+from .shifted import FIT_MM, moved_outlines
+from .works import Work, works_of
 
 RESULT_SCHEMA = "enfilade.result/1"
 
 #: Per cents are told in tenths where the interval is narrower than this.
 TENTHS_BELOW = 0.01
-
-#: What moved must fit a wall again to this, mm.
-FIT_MM = 0.1
 
 #: The best so far of a stopped run, beside the job.
 STOPPED = "stopped"
@@ -93,7 +90,7 @@ class Option:
     changes: List[Dict[str, Any]]
     #: Confirmed gains by measure: ``share``, ``low``, ``high`` (more is better) and ``sense``; empty where none were.
     gain: Dict[str, Dict[str, Any]] = field(default_factory=dict)
-    #: Units of the drawing in a metre.
+    #: Units of the host's document in a metre.
     per_metre: float = 1000.0
     #: Building works; none where it only moves what stands.
     works: List[Work] = field(default_factory=list)
@@ -148,9 +145,11 @@ class Round:
     version: str = ""
     #: Whether it is the best so far of a run that was stopped.
     is_so_far: bool = False
-    #: The unit of the drawing, and how many are in a metre.
+    #: The unit of the drawing, and how many units of the host's document are in a metre.
     unit: str = "mm"
     per_metre: float = 1000.0
+    #: Units of the host in one of the drawing.
+    scale: float = 1.0
     #: What the present layout has of the brief of rooms.
     brief: List[BriefLine] = field(default_factory=list)
 
@@ -200,7 +199,7 @@ def latest(job: Job) -> Round:
 
 
 def _of(job: Job, folder: str) -> Round:
-    found = read(folder)
+    found = read(folder, job.scale)
     if found.sha256 != job.sha256:
         raise PluginError("The options belong to an earlier export of this document; run the study again.")
     return found
@@ -229,8 +228,8 @@ def keep_so_far(job: Job, folder: str) -> Round:
     return _of(job, kept)
 
 
-def read(folder: str) -> Round:
-    """Reads ``result.json`` of a round."""
+def read(folder: str, scale: float = 1.0) -> Round:
+    """Reads ``result.json`` of a round; ``scale`` are the host's units in one of the drawing."""
     path = os.path.join(folder, "result.json")
     try:
         with open(path, encoding="utf-8") as f:
@@ -244,14 +243,14 @@ def read(folder: str) -> Round:
             "plugin and program are of different versions."
         )
     try:
-        return _round(folder, data)
+        return _round(folder, data, scale)
     except (KeyError, TypeError, IndexError, ValueError) as e:
         raise PluginError(f"{path} is not complete ({type(e).__name__}: {e}).") from e
 
 
-def _round(folder: str, data: Dict[str, Any]) -> Round:
+def _round(folder: str, data: Dict[str, Any], scale: float) -> Round:
     unit = str(data["input"].get("unit", "mm"))
-    per_metre = 1.0 / UNITS[unit]
+    per_metre = scale / UNITS[unit]
     options = [_option(folder, i + 1, c, per_metre) for i, c in enumerate(data["candidates"])]
     best = data.get("best")
     centre = data["lattice_centre"]
@@ -274,6 +273,7 @@ def _round(folder: str, data: Dict[str, Any]) -> Round:
         is_so_far=not numbers,
         unit=unit,
         per_metre=per_metre,
+        scale=scale,
         brief=_brief(data),
     )
 
@@ -308,23 +308,8 @@ def _option(folder: str, number: int, data: Dict[str, Any], per_metre: float) ->
 
 def layout(job: Job, option: Option) -> List[Change]:
     """Where every changed element of the host stands in an option, in drawing order."""
-    outlines = {o.host_id: o for o in job.outlines}
-    after: Dict[str, List[Point]] = {}
+    after = {id: to for id, _, to in moved_outlines(job, option)}
     within = FIT_MM * option.per_metre / 1000.0
-    for change in option.changes:
-        # The host's doors and windows go with their wall by themselves; those of a 2D plan are lines like others.
-        if change.get("follows") and not job.study.drawn:
-            continue
-        id = str(change.get("host_id"))
-        outline = outlines.get(id)
-        if outline is None:
-            raise PluginError(f"Option {option.number} moves an element {id!r} that this study never wrote.")
-        before, to = (outline.unwritten(_in_drawing(change[k], option)) for k in ("from", "to"))
-        if len(before) != len(outline.points) or len(to) != len(before):
-            raise PluginError(f"Option {option.number} gives {id} another shape; nothing was taken over.")
-        if any(distance(a, b) > within for a, b in zip(before, outline.points)):
-            raise PluginError(f"Option {option.number} was made for {id} at another place; run the study again.")
-        after[id] = to
     by_owner: Dict[str, List[Outline]] = {}
     for outline in job.outlines:
         by_owner.setdefault(outline.owner, []).append(outline)
@@ -351,10 +336,6 @@ def standing(job: Job, option: Option) -> List[Change]:
     """The elements that the works of an option change where they stand, as changes without a way."""
     ids = dict.fromkeys(id for work in option.works for id in worked(job, work))
     return [Change(id, STILL, [], [], {}) for id in ids]
-
-
-def _in_drawing(points: Any, option: Option) -> List[Point]:
-    return [(float(x) * option.per_metre, float(y) * option.per_metre) for x, y in points]
 
 
 def _drawn_change(element: Drawn, after: List[List[Point]], within: float) -> Change:
@@ -543,90 +524,3 @@ def gone(plan: Plan, found: Round, option: Option) -> Dict[str, Dict[str, float]
             out.setdefault(id, {})[move[1]] = value
         del tables[: at + 1]
     return out
-
-
-Line = List[Point]
-
-
-def moved_lines(
-    before: List[Point], after: List[Point], is_closed: bool = True, within: float = FIT_MM
-) -> Tuple[List[Line], List[Line]]:
-    """Lines of an outline that go, and those that come. Of one that is only stretched these are its ends and the
-    difference; what stays where it is is neither."""
-    back = 1 if is_closed else 0
-    if all(distance(a, b) > within for a, b in zip(before, after)):
-        return [before + before[:back]], [after + after[:back]]
-    gone_lines: List[Line] = []
-    new_lines: List[Line] = []
-    for i in range(len(before) - 1 if len(before) <= 2 or not is_closed else len(before)):
-        old, new = ((ring[i], ring[(i + 1) % len(ring)]) for ring in (before, after))
-        lost, made = _differing(old, new, within)
-        gone_lines += lost
-        new_lines += made
-    return gone_lines, new_lines
-
-
-def _differing(old: Tuple[Point, Point], new: Tuple[Point, Point], within: float) -> Tuple[List[Line], List[Line]]:
-    if old[0] == old[1] or any(_off(p, old) > within for p in new):
-        return [list(old)], [list(new)]
-    u = direction(*old)
-    ends = [sorted(dot(minus(p, old[0]), u) for p in edge) for edge in (old, new)]
-    lost, made = (_outside(old[0], u, ends[k], ends[1 - k], within) for k in (0, 1))
-    return lost, made
-
-
-def _off(p: Point, edge: Tuple[Point, Point]) -> float:
-    return abs(cross(direction(*edge), minus(p, edge[0])))
-
-
-def _outside(start: Point, u: Point, mine: List[float], other: List[float], within: float) -> List[Line]:
-    """Pieces of a stretch of a line that another stretch does not cover."""
-    pieces = [(mine[0], min(mine[1], other[0])), (max(mine[0], other[1]), mine[1])]
-    return [[plus(start, u, a), plus(start, u, b)] for a, b in pieces if b - a > within]
-
-
-def ghosts(job: Job, option: Option) -> Tuple[List[Line], List[Line]]:
-    """Lines of an option that stand no more, and new ones, in units of the drawing: for a preview."""
-    outlines = {o.host_id: o for o in job.outlines}
-    strokes = {f"{d.id}/{i}": s for d in job.study.drawn for i, s in enumerate(d.strokes)}
-    gone_lines: List[Line] = []
-    new_lines: List[Line] = []
-    for change in option.changes:
-        before, after = _in_drawing(change["from"], option), _in_drawing(change["to"], option)
-        id = str(change.get("host_id"))
-        outline, stroke = outlines.get(id), strokes.get(id)
-        if stroke is not None and stroke.kind != "lines":
-            lost, made = [drawn.traced(stroke)], [drawn.traced(stroke, drawn.motion_of(stroke, after))]
-        elif outline is not None:
-            before, after = outline.unwritten(before), outline.unwritten(after)
-            lost, made = moved_lines(before, after, outline.is_closed, FIT_MM * option.per_metre / 1000.0)
-        else:
-            lost, made = moved_lines(before, after)
-        gone_lines += lost
-        new_lines += made
-    for work in option.works:
-        lost, made = work_outlines(work)
-        gone_lines += lost
-        new_lines += made
-    return gone_lines, new_lines
-
-
-@dataclass
-class Cells:
-    """What every cell of a layout measures: its middle, mm, and a value for each measure."""
-
-    places: List[Point]
-    values: Dict[str, List[float]]
-
-
-def read_cells(table: Iterable[str]) -> Cells:
-    """The program's table of cells; cells without a value in any measure are left out."""
-    rows = csv.reader(table)
-    heads = next(rows, [])
-    try:
-        x, y, *columns = (heads.index(name) for name in ("x", "y", *COLUMNS.values()))
-        kept = [row for row in rows if all(row[c] for c in columns)]
-        values = {m: [float(row[c]) for row in kept] for m, c in zip(COLUMNS, columns)}
-        return Cells([(float(row[x]), float(row[y])) for row in kept], values)
-    except (ValueError, IndexError) as e:
-        raise PluginError(f"The program's table of cells cannot be read ({e}).") from e

@@ -4,7 +4,7 @@ import math
 import subprocess
 
 import pytest
-from enfilade_common import drawn, job, results
+from enfilade_common import drawn, job, preview, results
 from enfilade_common.model import Clause, Drawn, PluginError, Stroke, Study, Wishes
 from enfilade_common.moves import why_nothing_moves
 
@@ -53,7 +53,7 @@ def test_the_program_moves_the_lines_themselves(tmp_path, real_program):
     first = changes["q0"].motion
     for change in changes.values():
         assert change.axis_after == [pytest.approx(first(p), abs=0.1) for p in change.axis_before], "one wall, one motion"
-    gone, new = results.ghosts(made, layout)
+    gone, new = preview.ghosts(made, layout)
     assert len(gone) == len(new) == 4
     assert all(abs(v) <= 500 for by in results.gone(made.plan, found, layout).values() for v in by.values())
 

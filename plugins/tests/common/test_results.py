@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 from conftest import wall
-from enfilade_common import job, program, results
+from enfilade_common import job, preview, program, results
 from enfilade_common.model import Clause, PluginError, Study, Wall, geometry_hash
 from enfilade_common.moves import applied, plan_of
 from enfilade_common.plane import distance
@@ -171,7 +171,7 @@ def test_the_cells_of_an_option_are_those_of_the_round(house, tmp_path, real_pro
             os.path.join(found.folder, drawing), str(tmp_path / "cells"), "eye", found.unit, found.spacing_m, found.lattice_centre
         )
         said = subprocess.run([real_program, *words], stdout=subprocess.PIPE, check=True).stdout.decode()
-        cells = results.read_cells(said.splitlines())
+        cells = preview.read_cells(said.splitlines())
         for measure in ("degree", "mean-depth", "depth", "entropy"):
             values = cells.values[measure]
             assert sum(values) / len(values) == pytest.approx(mean[measure], rel=1e-9), (drawing, measure)
@@ -181,20 +181,20 @@ def test_the_cells_of_an_option_are_those_of_the_round(house, tmp_path, real_pro
 
 def test_cells_without_a_value_are_left_out():
     table = ["Ref,x,y,Degree,Visual Mean Depth,Depth,Entropy", "1,0,0,5,1.5,3,0.2", "2,1,0,1,,1,0"]
-    cells = results.read_cells(table)
+    cells = preview.read_cells(table)
     assert (cells.places, cells.values["mean-depth"]) == ([(0.0, 0.0)], [1.5])
     with pytest.raises(PluginError, match="cannot be read"):
-        results.read_cells([])
+        preview.read_cells([])
 
 
 def test_only_what_moved_is_outlined(house, tmp_path):
     made, option = option_of(house, [700, 0, 0, 0, 0], tmp_path)
-    gone, new = results.ghosts(made, option)
+    gone, new = preview.ghosts(made, option)
     ys = [y for line in [*gone, *new] for _, y in line]
     assert 600 < min(ys) and max(ys) < 2300, "a door slides from 625 to 1325 mm: nothing else of its wall is drawn"
     assert any(line == [(3950, 625), (3950, 1325)] for line in new), "wall where the door was"
     made, option = option_of(house, [0, 300, 0, 0, 0], tmp_path)
-    gone, new = results.ghosts(made, option)
+    gone, new = preview.ghosts(made, option)
     assert any(len(line) == 5 for line in new), "what moves as a whole is outlined as a whole"
     assert all(x < 4500 for line in [*gone, *new] for x, _ in line), "of the wall that follows, its end alone"
 

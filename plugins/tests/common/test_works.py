@@ -4,7 +4,7 @@ import json
 import os
 
 import pytest
-from enfilade_common import job, results, works
+from enfilade_common import job, preview, results, works
 from enfilade_common.model import PluginError
 from test_results import round_in
 
@@ -67,7 +67,7 @@ def test_elements_of_a_work_are_those_of_the_job(house, tmp_path):
 
 def test_works_are_outlined(house, tmp_path):
     made = job.write(house, str(tmp_path))
-    gone, new = results.ghosts(made, read_with(made, [WORK]).options[0])
+    gone, new = preview.ghosts(made, read_with(made, [WORK]).options[0])
     assert gone == [[(4050, 2000), (4050, 2900), (3950, 2900), (3950, 2000), (4050, 2000)]]
     assert new[0] == [(4050, 625), (4050, 1525), (3950, 1525), (3950, 625), (4050, 625)]
     assert new[1] == [(4000, 2000), (4000, 2900)], "a leaf or a pane"

@@ -476,6 +476,25 @@ class Answers:
         doc.clearUndos()
         self.top()
 
+    def read(self):
+        """How the plan is read, as the panel says it."""
+        panel().refresh()
+        return panel().row.read.text()
+
+    def use_file(self, path):
+        row = panel().row
+        row.read.setText("")
+        panel().attempt(row.use, App.ActiveDocument, path)
+
+    def answers(self):
+        """What is offered to a question, in order."""
+        buttons = window().findChildren(QtWidgets.QPushButton)
+        return [b.text() for b in buttons if b.objectName().startswith("EnfiladeAnswer_") and b.isVisible()]
+
+    def drawn_in(self, unit):
+        page = panel().study
+        page.unit.setCurrentIndex(page.unit.findData(unit))
+
     def middle(self, label):
         """Where the middle of an object's first line is on the screen."""
         edge = App.ActiveDocument.getObjectsByLabel(label)[0].Shape.Edges[0]

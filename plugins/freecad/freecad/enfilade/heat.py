@@ -4,7 +4,7 @@ import io
 import tempfile
 from typing import Dict, List, Optional, Tuple
 
-from enfilade_common import program, results
+from enfilade_common import preview, program, results
 from enfilade_common.model import PluginError
 
 from .qt import QtCore
@@ -39,9 +39,9 @@ class HeatMaps(QtCore.QObject):
             self._folder.cleanup()
             self._folder = None
         self._todo: List[str] = []
-        self._known: Dict[str, results.Cells] = {}
+        self._known: Dict[str, preview.Cells] = {}
 
-    def of(self, drawing: str) -> Optional[results.Cells]:
+    def of(self, drawing: str) -> Optional[preview.Cells]:
         """The cells of a layout where they are known; else it is the next to be measured."""
         if drawing in self._todo:
             self._todo.remove(drawing)
@@ -74,7 +74,7 @@ class HeatMaps(QtCore.QObject):
         self._process = None
         process.deleteLater()
         try:
-            self._known[drawing] = results.read_cells(io.StringIO(text))
+            self._known[drawing] = preview.read_cells(io.StringIO(text), self._found.scale)
             self.measured.emit(drawing)
         except PluginError as e:
             self.failed.emit(str(e))

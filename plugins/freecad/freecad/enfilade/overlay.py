@@ -10,7 +10,7 @@ from pivy import coin
 
 from enfilade_common.moves import heading
 from enfilade_common.plane import Point
-from enfilade_common.results import Cells
+from enfilade_common.preview import Cells
 
 from . import document, marks, plan2d
 

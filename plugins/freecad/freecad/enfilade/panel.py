@@ -7,7 +7,7 @@ from typing import List, Optional
 import FreeCAD as App
 import FreeCADGui as Gui
 
-from enfilade_common import job, program, results
+from enfilade_common import job, preview, program, results
 from enfilade_common.model import UNITS, PluginError
 from enfilade_common.moves import applied, why_nothing_moves
 
@@ -18,6 +18,7 @@ from .mark_page import MarkPage
 from .options_page import OptionsPage
 from .overlay import BEST, MOVED, Overlay
 from .qt import QtCore, QtWidgets
+from .read_row import ReadRow
 from .runner import Runner
 from .study_page import StudyPage
 from .wording import accepted, count, note_here, say
@@ -59,11 +60,13 @@ class Panel(QtWidgets.QDockWidget):
         self.mark = MarkPage(self)
         self.study = StudyPage(self)
         self.options = OptionsPage(self)
+        self.row = ReadRow(self)
         for page, title in ((self.mark, "1 Mark"), (self.study, "2 Study"), (self.options, "3 Options")):
             self.pages.addTab(_scrolling(page), say(title))
         body = QtWidgets.QWidget()
         layout = QtWidgets.QVBoxLayout(body)
         layout.addWidget(self.head)
+        layout.addWidget(self.row)
         layout.addWidget(self.pages, 1)
         layout.addWidget(self.foot)
         self.setWidget(body)
@@ -141,6 +144,7 @@ class Panel(QtWidgets.QDockWidget):
         self.head.refresh(doc)
         self.mark.refresh()
         self.study.refresh(doc)
+        self.row.refresh(doc)
         if doc is not None:
             overlay = self.overlay(doc)
             if overlay is not None:
@@ -180,7 +184,7 @@ class Panel(QtWidgets.QDockWidget):
     def _run(self) -> None:
         self._refuse_running()
         doc = self.document()
-        path = self._program()
+        path = self.program()
         version = program.version(path)
         made, said = self._written(doc)
         settings.remember(doc, made.study.wishes, self.head.storey() or "")
@@ -194,8 +198,11 @@ class Panel(QtWidgets.QDockWidget):
     def _written(self, doc):
         """The job of the document as it stands, and what is to be noted of it."""
         study, reading = document.study(doc, self.study.wishes(), self.head.storey(), settings.lineage(doc))
-        made = job.write(study, settings.job_folder(doc))
-        return made, [*settings.folder_notice(doc), *reading.notes, *made.notes]
+        source = self.row.behind(doc, study)
+        made = job.write(study, settings.job_folder(doc), source.match)
+        self.row.sources.remember(doc, source.match)
+        warned = [source.words] if source.is_warning else []
+        return made, [*settings.folder_notice(doc), *warned, *reading.notes, *made.notes]
 
     def stop(self) -> None:
         if self.runner.is_running():
@@ -227,14 +234,17 @@ class Panel(QtWidgets.QDockWidget):
         scale = self._scale(doc)
         ways = [p if t.clause.kind == "rotate" else p * scale for t, p in zip(plan.tables, parameters)]
         pairs = zip(plan.outlines, applied(plan, ways))
-        lines = [line for o, ring in pairs for line in results.moved_lines(o.points, ring)[1]]
+        lines = [line for o, ring in pairs for line in preview.moved_lines(o.points, ring)[1]]
         overlay.show_best(lines, self.top(doc), BEST)
 
     def _scale(self, doc) -> float:
         """Units of the document in a mm of the building: of a 2D plan what page 2 or the last round says."""
-        said = self.study.wishes().unit if plan2d.is_plan(doc) else "mm"
+        if not plan2d.is_plan(doc):
+            return 1.0
+        read = self.row.reading
+        said = self.study.wishes().unit or (read.unit if read is not None and self.round is None else "")
         known = self.round.per_metre if self.round is not None and not said else 1000.0
-        return (1.0 / UNITS[said] if said else known) / 1000.0
+        return (self.row.source.scale / UNITS[said] if said else known) / 1000.0
 
     def _on_end(self, code: int, words: str) -> None:
         self.foot.end()
@@ -264,7 +274,7 @@ class Panel(QtWidgets.QDockWidget):
         stays = say("The options shown are those of the run before.") if self.round is not None else ""
         self.tell(" ".join(w for w in (say("Stopped. Nothing better had been found yet."), stays) if w))
 
-    def _program(self) -> str:
+    def program(self) -> str:
         return program.find(settings.program_path())
 
     def _load(self, made: job.Job, found: results.Round, said: List[str]) -> None:
@@ -272,7 +282,7 @@ class Panel(QtWidgets.QDockWidget):
         self.clear_preview()
         self.job, self.round, self._said = made, found, said
         drawings = [option.file if option else self._drawing(None) for option in self.options.layouts(found)]
-        self.attempt(lambda: self.heat.begin(self._program(), found, drawings, made.study.wishes.level))
+        self.attempt(lambda: self.heat.begin(self.program(), found, drawings, made.study.wishes.level))
         labels = made.labels()
         notes = [results.Note("warning", "", n) for n in dict.fromkeys(said)]
         notes += [note_here(n, labels) for n in found.notes]
@@ -357,7 +367,7 @@ class Panel(QtWidgets.QDockWidget):
             overlay.show_heat(cells, measure, span, self.round.spacing_m * self.round.per_metre, self.floor(doc))
             self.options.show_span(measure, span)
         if option is not None and with_ghosts:
-            overlay.show_ghosts(*results.ghosts(self.job, option), self.top(doc), MOVED)
+            overlay.show_ghosts(*preview.ghosts(self.job, option), self.top(doc), MOVED)
 
     # -- accept
 
@@ -388,6 +398,7 @@ class Panel(QtWidgets.QDockWidget):
         """Takes everything of ours away."""
         self.runner.stop()
         self.heat.stop()
+        self.row.stop()
         self._watcher.stop()
         for _, overlay in self._overlays.values():
             overlay.remove()

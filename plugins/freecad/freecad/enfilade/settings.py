@@ -67,6 +67,26 @@ def lineage(doc) -> List[Dict[str, Any]]:
         return []
 
 
+def drawing(doc) -> Dict[str, Any]:
+    """The file behind the shapes: its ``path``, the handles of what its import left out."""
+    try:
+        said = json.loads(getattr(_study_object(doc), "EnfiladeDrawing", "") or "{}")
+    except ValueError:
+        return {}
+    is_sound = isinstance(said, dict) and isinstance(said.get("path"), str) and isinstance(said.get("usual"), list)
+    return dict(said, usual=[str(h) for h in said["usual"]]) if is_sound else {}
+
+
+def remember_drawing(doc, path: str, usual: List[str]) -> None:
+    """Writes into the document which file is behind its shapes, as one undo step, if that is new."""
+    text = json.dumps({"path": path, "usual": usual})
+    if getattr(_study_object(doc), "EnfiladeDrawing", "") == text:
+        return
+    doc.openTransaction("Enfilade: drawing")
+    _made(doc).EnfiladeDrawing = text
+    doc.commitTransaction()
+
+
 def _made(doc):
     obj = _study_object(doc)
     if obj is None:
@@ -77,9 +97,15 @@ def _made(doc):
             ("EnfiladeStorey", "Storey that is studied"),
             ("EnfiladeLineage", "Accepted rounds"),
         ):
-            obj.addProperty("App::PropertyString", name, "Enfilade", words)
-            obj.setEditorMode(name, 1)
+            _add_text(obj, name, words)
+    if not hasattr(obj, "EnfiladeDrawing"):
+        _add_text(obj, "EnfiladeDrawing", "The DXF file behind the shapes")
     return obj
+
+
+def _add_text(obj, name: str, words: str) -> None:
+    obj.addProperty("App::PropertyString", name, "Enfilade", words)
+    obj.setEditorMode(name, 1)
 
 
 def remember(doc, chosen: Wishes, storey_label: str) -> None:
