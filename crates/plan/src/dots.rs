@@ -9,9 +9,14 @@ use enfilade_report::{Report, counted};
 
 /// Whether a shape draws no line.
 pub(super) fn is_dot(shape: &Shape) -> bool {
+    is_within(shape, 0.0)
+}
+
+/// Whether a shape of straight pieces reaches no farther than so many drawing units from where it begins.
+pub fn is_within(shape: &Shape, reach: f64) -> bool {
     let is_straight = matches!(shape, Shape::Line { .. } | Shape::Polyline { .. });
     let points = control_points(shape);
-    is_straight && points.iter().all(|p| *p == points[0])
+    is_straight && points.iter().all(|p| p.distance(points[0]) <= reach)
 }
 
 /// Says for each layer how many shapes of no size lie on it, at the first of them (`dots`).

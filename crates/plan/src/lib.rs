@@ -35,7 +35,7 @@ mod choice;
 mod crowd;
 pub mod curve;
 pub mod decided;
-mod dots;
+pub mod dots;
 mod fills;
 pub mod fittings;
 pub mod floor;

@@ -28,7 +28,7 @@ enum Rule {
 impl Rule {
     /// The rules that a layout breaks, in their order.
     fn broken(faults: Faults, crosses: bool) -> Vec<Self> {
-        let Faults { opened_m, narrowed_m, struck } = faults;
+        let Faults { opened_m, narrowed_m, struck, vanished: _ } = faults;
         let broken = [
             (opened_m > 0.0, Self::Joints),
             (crosses, Self::Crossings),

@@ -7,6 +7,7 @@ use enfilade_moves::Layout;
 use enfilade_moves::opened::{Joints, Opened};
 use enfilade_moves::struck::Struck;
 use enfilade_penalties::{Overlap, Passage, WallPiece};
+use enfilade_plan::dots;
 
 /// A way this much narrower is none, metres: turned corners are rounded.
 const NARROWER_M: f64 = 0.001;
@@ -45,12 +46,14 @@ pub struct Faults {
     pub narrowed_m: f64,
     /// How many things walls are moved into.
     pub struck: usize,
+    /// How many walls shrink to a point: a file holds no such wall.
+    pub vanished: usize,
 }
 
 impl Faults {
     /// All in one number, 0 where there are none.
     pub fn sum(&self) -> f64 {
-        self.opened_m + self.narrowed_m + self.struck as f64
+        self.opened_m + self.narrowed_m + (self.struck + self.vanished) as f64
     }
 
     /// What is wrong, in words.
@@ -60,6 +63,7 @@ impl Faults {
             of(self.opened_m > 0.0, "that joints stay closed"),
             of(self.narrowed_m > 0.0, "that ways stay wide enough"),
             of(self.struck > 0, "that walls keep off what stands in rooms"),
+            of(self.vanished > 0, "that no wall shrinks to a point"),
         ]
         .into_iter()
         .flatten()
@@ -119,8 +123,19 @@ impl Guards {
             opened_m: self.joints.as_ref().map_or(0.0, |j| j.opened_m(&base.plan, layout)),
             narrowed_m: if narrowed_m > NARROWER_M { narrowed_m } else { 0.0 },
             struck: self.things.as_ref().map_or(0, |t| t.by(&base.plan, layout).len()),
+            vanished: vanished(base, layout),
         }
     }
+}
+
+/// A wall no longer than this is none, metres: corners are written to the micrometre.
+const POINT_M: f64 = 0.001;
+
+/// How many walls a layout leaves no length.
+fn vanished(base: &Understood, layout: &Layout) -> usize {
+    let reach = POINT_M / base.plan.unit.unit.metres;
+    let was_longer = |w: u32| !dots::is_within(&base.plan.walls[w as usize].shape, reach);
+    layout.walls.iter().filter(|w| dots::is_within(&w.shape, reach) && was_longer(w.wall)).count()
 }
 
 impl Guards {

@@ -338,3 +338,23 @@ fn lines_with_gaps_are_no_walls() {
     assert_eq!(walls("CONTINUOUS", line("INNER WALLS", [0.0, 2.0, 10.0, 2.0])), 7);
     assert_eq!(walls("HIDDEN", across), 7);
 }
+
+/// A wall that may lose its whole length keeps some: a file holds no wall of no length, and no round ends for it.
+#[test]
+fn no_wall_shrinks_to_a_point() {
+    let mark = ring("EF-MOVE", [5.8, 3.8, 6.2, 4.3]) + &text("EF-MOVE", [5.9, 4.25], "x -2 0");
+    let file = drawing(&(room() + &mark));
+    let settings = Settings::new(Partial {
+        evaluations: Some(80),
+        penalty: Some("none".into()),
+        allow: Some("open-joints, narrow-ways".into()),
+        pictures: Some(false),
+        ..Partial::default()
+    })
+    .unwrap();
+    let input = Input::new("plan.dxf", file.as_bytes(), 1);
+    let done =
+        enfilade_pipeline::run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default()).unwrap();
+    let shortened = done.result.candidates.iter().any(|c| !c.changes.is_empty());
+    assert!(shortened, "{:?}", done.report);
+}
