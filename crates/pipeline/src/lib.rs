@@ -51,7 +51,7 @@ use confirm::found::{Found, as_drawn, found};
 use enfilade_config::Settings;
 use enfilade_overlay::PlanPicture;
 use enfilade_overlay::result::RoundResult;
-use enfilade_report::{Cancel, Error, Report};
+use enfilade_report::{Cancel, Error, Place, Report};
 use job::{Job, Watch};
 use measure::known::Forest;
 use round::Round;
@@ -106,6 +106,10 @@ pub fn run(
     round(job, &study, analysis.report, started, &mut watch)
 }
 
+/// Said where the seconds stated are too few.
+const HURRIED: &str = "The seconds stated are few for this plan: fewer layouts were ranked, on fewer and coarser lattices, and \
+                       fewer works paired. Intervals are wider than with more time.";
+
 /// One round over a study: search, confirm, write. `report` holds what there is to say of the drawing.
 fn round(
     job: Job<'_>,
@@ -126,6 +130,9 @@ fn round(
     let found = if round.is_open() { Some(options((&round, trial), &report, watch)?) } else { None };
     let offer =
         if is_bare(settings) { None } else { offer((&round, trial), found.as_ref(), &mut report, watch)? };
+    if study.is_hurried() {
+        report.info("hurried", Place::file(job.input.file()), HURRIED);
+    }
     if let Some(offer) = &offer {
         works::say_best(&offer.listed.result, job.input.file(), &mut report);
     }

@@ -149,7 +149,10 @@ pub(super) fn take_read(drawing: &Drawing, options: &PlanOptions, reading: &Read
         match counts.get(layer.name.as_str()) {
             Some(n) => {
                 layer.role = "wall";
-                layer.why = format!("{n} of its {} elements look like walls", layer.entities);
+                layer.why = match role_by_name(&layer.name).0 {
+                    Role::Room => "outlines of rooms, since nothing is drawn as a wall".into(),
+                    _ => format!("{n} of its {} elements look like walls", layer.entities),
+                };
             }
             None if layer.role == "wall" => {
                 layer.role = "ignored";

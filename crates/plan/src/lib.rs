@@ -358,6 +358,7 @@ fn read(
     report: &Report,
 ) -> Result<Read, Error> {
     let mut by_size = choice::for_size(drawing, options, chosen);
+    let is_unnamed = chosen.walls.is_empty() && drawing.format == Format::Dxf && options.is_our_choice();
     let mut before = None;
     let mut out: Option<Read> = None;
     for _ in 0..LOOKS_MAX {
@@ -379,9 +380,7 @@ fn read(
         let reading = match &options.senses {
             Some(kept) => reading::Reading::again(drawing, kept),
             None if options.corrections.as_drawn => reading::Reading::by_names(drawing),
-            None if drawing.format == Format::Dxf && options.is_our_choice() => {
-                reading::Reading::new(drawing, metres).with_rooms_as_walls()
-            }
+            None if is_unnamed => reading::Reading::new(drawing, metres).with_rooms_as_walls(),
             None => reading::Reading::new(drawing, metres),
         };
         choice::take_read(drawing, options, &reading, chosen);

@@ -23,6 +23,10 @@ TRIED = 400
 INSUNITS = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 14: 100.0}
 
 
+#: What an import never leaves out.
+PLAIN = ("LINE", "CIRCLE", "ARC")
+
+
 @dataclass
 class Piece:
     """A straight or round piece of a stroke of the document."""
@@ -76,6 +80,12 @@ class Match:
         """Handles of entities that are not all there."""
         every = range(len(self.file.entities))
         return [self.file.entities[i].handle for i in every if not self.is_there(i) and self.file.entities[i].handle]
+
+    def lost(self) -> List[str]:
+        """Handles of those that an import may have lost: all but plain lines and arcs, which it never does."""
+        kinds = {e.handle: e.kind for e in self.file.entities}
+        found = {e.handle for e, pieces in zip(self.file.entities, self.pieces) if any(pieces)}
+        return [h for h in self.absent() if h in found or kinds[h] not in PLAIN]
 
     def strokes_of(self, index: int) -> List[str]:
         return list(dict.fromkeys(p.host_id for found in self.pieces[index] for p in found))

@@ -88,6 +88,7 @@ class DxfFile:
 
     def as_host(self, insert: Entity) -> List[Line]:
         """What an insert draws as FreeCAD does it: scaled alike in all directions, never seen from below."""
+        self._count = 0
         return self._strokes(insert, 0, True)
 
     def variable(self, name: bytes) -> bytes:

@@ -153,10 +153,17 @@ class _Work:
         own: Dict[str, Tuple[bytes, Optional[Entity]]] = {}
         for s, look in self.looks.items():
             own.setdefault(self.owners[s].id, look)
+        whole: Dict[str, str] = {}
+        for s, handle in self.out.handles.items():
+            whole.setdefault(self.owners[s].id, handle)
         for s, stroke in self.strokes.items():
-            if s in self.kept or s in self.match.known and s not in self.looks:
+            if s in self.kept:
                 continue
             owner = self.owners[s]
+            # A part that is alike without being the same goes with its entity, where that stays.
+            if s in self.match.known and s not in self.looks and owner.id in whole:
+                self.out.handles.setdefault(s, whole[owner.id])
+                continue
             seen: Optional[Tuple[bytes, Optional[Entity]]] = self.looks.get(s) or own.get(owner.id)
             layer, entity = seen or self._kin(owner, stroke)
             self.added.look = [g for g in entity.groups if g[0] in LOOK] if entity else []

@@ -77,7 +77,7 @@ pub(crate) fn is_gated(base: &Understood, settings: &Settings) -> bool {
     base.moves.are_default || !settings.raw && settings.method != Method::Paper
 }
 
-/// What finds them: nothing where it is allowed.
+/// What finds them: nothing where it is allowed, but for walls that shrink to a point, which no file holds.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Guards {
     joints: Option<Joints>,

@@ -358,3 +358,19 @@ fn no_wall_shrinks_to_a_point() {
     let shortened = done.result.candidates.iter().any(|c| !c.changes.is_empty());
     assert!(shortened, "{:?}", done.report);
 }
+
+/// Who states too little time is told what it changes.
+#[test]
+fn too_little_time_is_told() {
+    let mark = ring("EF-MOVE", [3.5, 3.5, 6.5, 4.5]) + &text("EF-MOVE", [4.0, 4.3], "x -1 1");
+    let file = drawing(&(room() + &mark));
+    let with = |seconds: Option<f64>| {
+        let partial = Partial { seconds, evaluations: Some(8), pictures: Some(false), ..Partial::default() };
+        let settings = Settings::new(partial).unwrap();
+        let input = Input::new("plan.dxf", file.as_bytes(), 1);
+        let now = Instant::now();
+        let done = enfilade_pipeline::run(&input, &settings, now, &mut |_| {}, &Cancel::default()).unwrap();
+        said(&done.report, "hurried").len()
+    };
+    assert_eq!((with(Some(0.001)), with(None)), (1, 0));
+}

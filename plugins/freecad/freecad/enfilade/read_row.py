@@ -152,7 +152,7 @@ class ReadRow(QtWidgets.QWidget):
             self.read.setText(str(e))
 
     def _say_nothing(self) -> None:
-        self.reading = None
+        self.reading, self.source = None, Source()
         for label in (self.file, self.read, self.asked):
             label.setText("")
         self._ask()

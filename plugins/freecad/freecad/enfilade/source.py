@@ -16,6 +16,10 @@ from .wording import say
 
 #: Files opened last that are looked at, where none bears the document's name.
 RECENT_MAX = 10
+#: Bytes of a file that is looked at unasked, where its name says nothing.
+UNNAMED_MAX = 10 << 20
+#: How a folder of our own jobs ends: what lies there is written anew by every job.
+JOB_FOLDER = "-enfilade"
 #: What was left out by the import at first may be so much of a file; more was deleted.
 USUAL_MAX = 0.05
 
@@ -39,6 +43,8 @@ class Sources:
 
     def __init__(self):
         self._files: Dict[str, Tuple[float, DxfFile]] = {}
+        #: Files that could not be read, and those that did not fit, by document: when, and how many shapes there were.
+        self._misfits: Dict[Tuple[str, str], Tuple[float, int]] = {}
         #: What an import left out, by document and file, before it was remembered in the document.
         self._usual: Dict[Tuple[str, str], List[str]] = {}
 
@@ -58,6 +64,8 @@ class Sources:
 
     def choose(self, doc, path: str, drawn: List[Drawn]) -> Source:
         """The user says which file it is: it is remembered if it fits."""
+        if _is_job(path):
+            raise PluginError(say("{} is a drawing of a job, which is written anew. Choose your own.", path))
         match = behind.match(self._file(path), drawn)
         if not match.fits:
             raise PluginError(_misfit(path, match))
@@ -70,13 +78,20 @@ class Sources:
             settings.remember_drawing(doc, match.file.path, sorted(match.usual))
 
     def _look(self, doc, path: str, drawn: List[Drawn]) -> Optional[Match]:
-        try:
-            file = self._file(path)
-        except PluginError:
-            return None
         said = settings.drawing(doc)
-        left_out = said.get("usual") if said.get("path") == path else self._usual.get((doc.Name, path))
-        match = behind.match(file, drawn, left_out or ())
+        is_known = said.get("path") == path
+        left_out = said.get("usual") if is_known else self._usual.get((doc.Name, path))
+        now = (_changed(path), len(drawn))
+        if not is_known and self._misfits.get((doc.Name, path)) == now:
+            return None
+        try:
+            match = behind.match(self._file(path), drawn, left_out or ())
+        except PluginError:
+            self._misfits[doc.Name, path] = now
+            return None
+        if not match.fits:
+            self._misfits[doc.Name, path] = now
+            self._files.pop(path, None)
         if left_out is None and match.fits:
             match.usual = set(usual(match))
             self._usual[doc.Name, path] = sorted(match.usual)
@@ -95,9 +110,9 @@ class Sources:
 
 def usual(match: Match) -> List[str]:
     """What an import left out of a file, where nothing was edited since: little, and every shape is in the file."""
-    absent = match.absent()
-    is_little = len(absent) <= max(1.0, USUAL_MAX * len(match.file.entities))
-    return absent if is_little and not match.loose_owners else []
+    lost = match.lost()
+    is_little = len(lost) <= max(1.0, USUAL_MAX * len(match.file.entities))
+    return lost if is_little and not match.loose_owners else []
 
 
 def _found(match: Match) -> Source:
@@ -106,6 +121,11 @@ def _found(match: Match) -> Source:
     edited = len(match.loose_owners)
     if edited:
         words.append(say("{} shapes are new or edited.", edited) if edited > 1 else say("1 shape is new or edited."))
+    gone = len(match.absent())
+    if gone:
+        words.append(say("Things of the file that are not here, and are left out: {}.", gone))
+    if match.usual:
+        words.append(say("Things that the import lost, taken from the file: {}.", len(match.usual)))
     return Source(match, " ".join(words))
 
 
@@ -131,7 +151,20 @@ def candidates(doc) -> List[str]:
         beside += [os.path.join(folder, stem + ext) for stem in stems if stem for ext in (".dxf", ".DXF")]
     named = [p for p in recent if _plain(os.path.splitext(os.path.basename(p))[0]) in names]
     first = [p for p in dict.fromkeys([*named, *beside]) if os.path.isfile(p)]
-    return first or [p for p in recent[:RECENT_MAX] if os.path.isfile(p)]
+    found = first or [p for p in recent[:RECENT_MAX] if os.path.isfile(p) and os.path.getsize(p) <= UNNAMED_MAX]
+    return [p for p in found if not _is_job(p)]
+
+
+def _is_job(path: str) -> bool:
+    """Whether a file lies in the folder of a job of ours."""
+    return os.path.basename(os.path.dirname(os.path.abspath(path))).endswith(JOB_FOLDER)
+
+
+def _changed(path: str) -> float:
+    try:
+        return os.path.getmtime(path)
+    except OSError:
+        return 0.0
 
 
 def _plain(name: str) -> str:
