@@ -121,8 +121,9 @@ def _found(match: Match) -> Source:
     edited = len(match.loose_owners)
     if edited:
         words.append(say("{} shapes are new or edited.", edited) if edited > 1 else say("1 shape is new or edited."))
-    gone = len(match.absent())
-    if gone:
+    # A line that was edited is one of them.
+    gone = len(match.absent()) - edited
+    if gone > 0:
         words.append(say("Things of the file that are not here, and are left out: {}.", gone))
     if match.usual:
         words.append(say("Things that the import lost, taken from the file: {}.", len(match.usual)))
