@@ -4,6 +4,11 @@
 //! A cell notes who offers, and asks all of them when its turn comes: what it costs in each lane then is what the walk
 //! from one root would find. Corners whose cost or list changes after they were left are left anew, until none does.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "lanes of several rows are counted together: so they become vectors"
+)]
+
 use super::corners::{Away, Corners, NONE};
 use super::lanes::{Least, Offer, ROW, Rows, walk_by_rows};
 use super::paths::Paths;
@@ -346,9 +351,9 @@ impl Bundle {
             return;
         }
         if anew {
-            self.offer_lists::<R>(paths, corners, turn.at, &old.list, &left, &news, true);
+            self.offer_lists::<R>(paths, corners, &old.list, &left, (turn.at, &news, true));
         }
-        self.offer_lists::<R>(paths, corners, turn.at, &left.list, &left, &news, anew);
+        self.offer_lists::<R>(paths, corners, &left.list, &left, (turn.at, &news, anew));
     }
 
     /// Offers every one of some lists once.
@@ -357,11 +362,9 @@ impl Bundle {
         &mut self,
         paths: &Paths<'_>,
         corners: &Corners<Away>,
-        at: u32,
         lists: &Each<u32>,
         now: &Left,
-        news: &Each<f32>,
-        anew: bool,
+        (at, news, anew): (u32, &Each<f32>, bool),
     ) {
         let mut left = !same::<R>(lists, NONE) & ALL;
         while left != 0 {

@@ -93,7 +93,7 @@ static OTHERS: [[f32; ROW]; 256] = {
     let mut others = [[0.0; ROW]; 256];
     let mut i = 0;
     while i < 256 * ROW {
-        if i / ROW >> (i % ROW) & 1 == 0 {
+        if ((i / ROW) >> (i % ROW)) & 1 == 0 {
             others[i / ROW][i % ROW] = f32::INFINITY;
         }
         i += 1;

@@ -124,11 +124,7 @@ impl Rows for Portable {
     }
     #[inline(always)]
     fn same(a: &[u32; ROW], b: u32) -> u32 {
-        let mut same = 0;
-        for i in 0..ROW {
-            same |= u32::from(a[i] == b) << i;
-        }
-        same
+        a.iter().enumerate().fold(0, |same, (i, a)| same | u32::from(*a == b) << i)
     }
     #[inline(always)]
     fn take_in(least: &mut Least, costs: &[f32; ROW], lists: &[u32; ROW], offer: Offer) {
