@@ -146,6 +146,12 @@ impl Daemon {
         }
     }
 
+    /// So many jobs have read their drawings: a job is said to have started before that, and what is saved in
+    /// between takes its place.
+    fn await_jobs(&self, count: usize) {
+        self.await_true("the job", || self.jobs() >= count);
+    }
+
     /// The result of a round, once it is there.
     fn await_round(&self, drawing: &str, round: u32) -> String {
         let path = self.path(&format!("{drawing}.enfilade/round-{round:02}/candidate-1.dxf"));
@@ -240,8 +246,7 @@ fn half_written_files_wait() {
 fn rename_saves_are_seen_and_cancel_nothing_by_vanishing() {
     let daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
     daemon.save("plan.dxf", "slow");
-    // It is said to have started before its file is read.
-    daemon.await_true("the job", || daemon.jobs() == 1);
+    daemon.await_jobs(1);
     fs::rename(daemon.path("plan.dxf"), daemon.path("plan.bak")).unwrap();
     thread::sleep(Duration::from_millis(400));
     assert_eq!(daemon.count_said("Stopped"), 0);
@@ -267,7 +272,7 @@ fn results_say_that_the_drawing_has_changed_since() {
     };
     let daemon = Daemon::start(settings(), |_| {}, job);
     daemon.save("plan.dxf", "one");
-    daemon.await_said("Started", 1);
+    daemon.await_jobs(1);
     fs::write(daemon.path("plan.dxf"), "two, and its end is miss").unwrap();
     daemon.await_said("the job that runs is of the content before", 2);
     go_on.stop();
@@ -430,7 +435,7 @@ fn a_job_that_hangs_is_left_behind() {
         },
     );
     daemon.save("a.dxf", "deaf");
-    daemon.await_said("Started", 1);
+    daemon.await_jobs(1);
     daemon.save("b.dxf", "slow");
     daemon.save("c.dxf", "good");
     daemon.await_round("c", 1);
@@ -489,7 +494,7 @@ fn the_second_daemon_is_turned_away() {
 fn stopped_jobs_are_finished_by_the_next_start() {
     let daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
     daemon.save("plan.dxf", "slow");
-    daemon.await_said("Started", 1);
+    daemon.await_jobs(1);
     daemon.stop.stop();
     daemon.await_true("stop", || daemon.count_said("Stopped") == 1);
     while daemon.thread.as_ref().is_some_and(|t| !t.is_finished()) {
@@ -547,7 +552,7 @@ fn a_stop_does_not_wait_for_a_deaf_job() {
         },
     );
     daemon.save("plan.dxf", "deaf");
-    daemon.await_said("Started", 1);
+    daemon.await_jobs(1);
     let (root, start) = (daemon.root.clone(), Instant::now());
     daemon.stop.stop();
     while daemon.thread.as_ref().is_some_and(|t| !t.is_finished()) {

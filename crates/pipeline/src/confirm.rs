@@ -33,9 +33,6 @@ pub(crate) fn confirm(
     }
     let others = watch.cancel.check().and_then(|()| {
         watch.progress(Progress { stage: "confirm".into(), ..searched.progress() });
-        if searched.is_late {
-            return Ok(Vec::new());
-        }
         elsewhere::elsewhere(brief, &search.outcome(), watch.cancel)
     });
     if matches!(others, Err(Error::Stopped)) && watch.cancel.keeps_best() {

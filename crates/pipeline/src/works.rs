@@ -54,8 +54,6 @@ use option::BuildingOption;
 
 /// Works of which steps are counted too: by trees of all cells.
 const WITH_STEPS: usize = 24;
-/// … and where time is short.
-const WITH_STEPS_IN_A_HURRY: usize = 6;
 /// Works that are confirmed on other lattices: those that somebody reads first.
 const CONFIRMED: usize = 6;
 /// Works that are listed at most, allowed and forbidden each: more than anybody reads.
@@ -303,7 +301,7 @@ fn entries(study: &Study, settings: &Settings, site: &Site<'_>, works: &[&Work])
     let steps_now = steps(present.lattice, present.graph);
     let confirmed = confirmed(study, settings, works);
     // The best of either sort have their steps counted.
-    let most = if study.is_hurried() { WITH_STEPS_IN_A_HURRY } else { WITH_STEPS };
+    let most = WITH_STEPS / study.thinned();
     let mut seen = [0usize; 2];
     let with_steps: Vec<bool> = works
         .iter()

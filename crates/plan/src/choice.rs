@@ -145,13 +145,14 @@ pub(super) fn take_read(drawing: &Drawing, options: &PlanOptions, reading: &Read
     }
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     walls.iter().for_each(|i| *counts.entry(&drawing.entities[*i].layer).or_default() += 1);
+    let are_rooms = counts.keys().all(|layer| role_by_name(layer).0 == Role::Room);
     for layer in chosen.layers.iter_mut().filter(|l| matches!(l.role, "wall" | "low" | "ignored")) {
         match counts.get(layer.name.as_str()) {
             Some(n) => {
                 layer.role = "wall";
-                layer.why = match role_by_name(&layer.name).0 {
-                    Role::Room => "outlines of rooms, since nothing is drawn as a wall".into(),
-                    _ => format!("{n} of its {} elements look like walls", layer.entities),
+                layer.why = match are_rooms {
+                    true => "outlines of rooms, since nothing is drawn as a wall".into(),
+                    false => format!("{n} of its {} elements look like walls", layer.entities),
                 };
             }
             None if layer.role == "wall" => {

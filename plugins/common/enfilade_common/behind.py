@@ -119,7 +119,7 @@ class Places:
         if here.kind == "circle" or there.kind == "circle":
             is_both = here.kind == there.kind
             return is_both and distance(here.middle, there.middle) <= by and abs(here.radius - there.radius) <= by
-        # A short curve is told as one line.
+        # A short curve becomes one line.
         is_curve = there.kind == "curve"
         if here.kind == "curve" and not is_curve or is_curve and here.kind == "arc":
             return False
@@ -159,7 +159,7 @@ def _pieces(host_id: str, stroke: Stroke) -> List[Piece]:
     pairs = [(i, (i + 1) % count) for i in range(last)]
     out = [Piece(straight(points[i], points[j]), host_id, (i, j)) for i, j in pairs]
     if count > 2:
-        # A curve is told as lines too.
+        # A curve becomes lines too.
         end = points[0] if stroke.closed else points[-1]
         out.append(Piece(Line("curve", (points[0], end), points[count // 2]), host_id, ()))
     return out

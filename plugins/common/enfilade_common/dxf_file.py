@@ -299,7 +299,7 @@ def chained(points: List[Point], bulges: List[float], closed: bool) -> List[Line
         d = minus(b, a)
         middle = ((a[0] + b[0]) / 2 + bulge * d[1] / 2, (a[1] + b[1]) / 2 - bulge * d[0] / 2)
         radius = math.hypot(*d) * (1 + bulge * bulge) / (4 * abs(bulge))
-        # An arc is told anticlockwise.
+        # An arc runs anticlockwise.
         ends, corners = ((a, b), (i, j)) if bulge > 0 else ((b, a), (j, i))
         out.append(Line("arc", ends, middle, radius, corners))
     return out

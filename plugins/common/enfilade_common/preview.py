@@ -7,8 +7,9 @@ from typing import Dict, Iterable, List, Tuple
 from . import drawn
 from .job import Job
 from .model import PluginError
+from .option import Option
 from .plane import Point, cross, direction, distance, dot, minus, plus
-from .results import COLUMNS, Option
+from .results import COLUMNS
 from .shifted import FIT_MM, in_document, moved_outlines
 from .works import work_outlines
 

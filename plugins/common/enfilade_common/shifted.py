@@ -1,21 +1,19 @@
 """Which outlines of a study an option changes: entities of the drawing, taken apart into the strokes of the host."""
 
-from typing import TYPE_CHECKING, Any, Dict, List, Tuple
+from typing import Any, Dict, List, Tuple
 
 from .job import Job
 from .model import PluginError
+from .option import Option
 from .outlines import Outline
 from .patched import Part
 from .plane import Point, distance, fit_rigid
-
-if TYPE_CHECKING:
-    from .results import Option
 
 #: What moved must fit a wall again to this, mm.
 FIT_MM = 0.1
 
 
-def moved_outlines(job: Job, option: "Option") -> List[Tuple[str, List[Point], List[Point]]]:
+def moved_outlines(job: Job, option: Option) -> List[Tuple[str, List[Point], List[Point]]]:
     """Ids of the outlines that an option changes, with their points before and after, in units of the document."""
     outlines = {o.host_id: o for o in job.outlines}
     after: Dict[str, List[Point]] = {}
@@ -66,6 +64,6 @@ def _split(
         after.setdefault(host_id, list(outline.points))[point] = to[corner]
 
 
-def in_document(points: Any, option: "Option") -> List[Point]:
+def in_document(points: Any, option: Option) -> List[Point]:
     """Points of a result in units of the document."""
     return [(float(x) * option.per_metre, float(y) * option.per_metre) for x, y in points]

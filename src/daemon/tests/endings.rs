@@ -35,7 +35,7 @@ fn a_job_that_nobody_stopped_is_tried_again() {
 fn settings_half_saved_end_no_job() {
     let daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
     daemon.save("plan.dxf", "slow");
-    daemon.await_said("Started", 1);
+    daemon.await_jobs(1);
     fs::write(daemon.path("plan.enfilade.toml"), "members = [").unwrap();
     daemon.await_said("Queued {", 2);
     daemon.rest();
@@ -53,7 +53,7 @@ fn settings_half_saved_end_no_job() {
 fn what_is_gone_waits_no_more() {
     let daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
     daemon.save("runs.dxf", "slow");
-    daemon.await_said("Started", 1);
+    daemon.await_jobs(1);
     daemon.save("waits.dxf", "slow");
     daemon.await_true("waits", || daemon.path("waits.enfilade/status.json").exists());
     for name in ["waits", "runs"] {
@@ -73,12 +73,12 @@ fn an_order_that_a_save_makes_void_is_told() {
         daemon.orders.send(Order::Again { drawing: drawing.clone(), asked }).unwrap();
     };
     daemon.save("plan.dxf", "slow one");
-    daemon.await_said("Started", 1);
+    daemon.await_jobs(1);
     ask();
     daemon.await_said("Queued {", 2);
     daemon.save("plan.dxf", "slow two");
     daemon.await_said("ask for it again", 1);
-    daemon.await_said("Started", 2);
+    daemon.await_jobs(2);
     ask();
     daemon.await_said("Queued {", 4);
     fs::remove_file(&drawing).unwrap();
@@ -178,7 +178,7 @@ fn what_waits_is_not_called_cancelled() {
     let daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
     let told = || status(std::slice::from_ref(&daemon.root), None)[0]["status"].clone();
     daemon.save("first.dxf", "slow");
-    daemon.await_said("Started", 1);
+    daemon.await_jobs(1);
     daemon.save("plan.dxf", "quick");
     daemon.await_said("Queued {", 2);
     let (drawing, asked) = (daemon.path("plan.dxf"), Asked::default());

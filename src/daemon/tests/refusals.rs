@@ -228,7 +228,7 @@ fn a_read_only_folder_needs_another_place_for_results() {
 fn a_taken_folder_is_left() {
     let mut daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
     daemon.save("plan.dxf", "slow");
-    daemon.await_said("Started", 1);
+    daemon.await_jobs(1);
     let lease =
         serde_json::json!({"host": "elsewhere", "pid": 1, "since": "2026-01-01T00:00:00Z", "beat": 1});
     crate::store::write_json(&SystemDisk, &daemon.path(".enfilade/owner.json"), &lease).unwrap();

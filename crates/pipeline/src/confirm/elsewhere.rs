@@ -17,7 +17,7 @@ const HIDING: f64 = 0.35;
 /// … but no fewer, or nothing is learned.
 const LEAST: u64 = 20;
 
-/// What is found where the moves that the best layout gains most by are held back.
+/// What is found where the moves that the best layout gains most by are held back; nothing in a hurry, or where nothing gains.
 ///
 /// # Errors
 /// As [`Search::new`].
@@ -28,7 +28,7 @@ pub(crate) fn elsewhere(
 ) -> Result<Vec<Point>, Error> {
     let is_wanted =
         brief.settings.mode == Mode::Diverse && brief.settings.members > 1 && !is_bare(brief.settings);
-    if !is_wanted || outcome.best.violation > 0.0 {
+    if !is_wanted || brief.study.is_hurried() || outcome.best.violation > 0.0 {
         return Ok(vec![]);
     }
     let shown = shown(brief, outcome);

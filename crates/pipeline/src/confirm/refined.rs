@@ -32,8 +32,6 @@ const RANKED: usize = 32;
 const PREPARED: usize = 16;
 /// Lattices that layouts are ranked on, heat by heat: from one to the next the better half goes on …
 const HEATS: [usize; 3] = [2, 2, 4];
-/// Heats where time is short.
-const HEATS_IN_A_HURRY: usize = 1;
 const _: () = assert!(HEATS[0] + HEATS[1] + HEATS[2] == lattices::RANKED as usize);
 /// … and at least so many, or all that are wanted.
 const FINALISTS: usize = 8;
@@ -247,7 +245,7 @@ fn pool(
     let mut likeness = vec![f64::NEG_INFINITY; kept.len()];
     let mut turn = 0..;
     let wanted = brief.settings.members + RESERVES;
-    let most = if brief.study.is_hurried() { wanted } else { some(RANKED).max(2 * wanted).min(RANKED) };
+    let most = (some(RANKED).max(2 * wanted).min(RANKED) / brief.study.thinned()).max(wanted);
     while out.len() < most {
         let mut left = (0..kept.len()).filter(|i| distances[*i] > apart);
         let next = if turn.next().is_some_and(|t: usize| t.is_multiple_of(2)) {
@@ -349,8 +347,8 @@ fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Ranked> {
     let drawn = lattices::drawn(settings);
     let mut fallen: Vec<Ranked> = Vec::new();
     let mut begin = 0;
-    let heats = if study.is_hurried() { HEATS_IN_A_HURRY } else { HEATS.len() };
-    for &heat in &HEATS[..heats] {
+    let end = at.len() / study.thinned();
+    for heat in HEATS {
         let use_for = if racing.len() < PREPARED { Use::Few(drawn) } else { Use::Search(drawn) };
         let others = study.on_lattices(settings, &at[begin..begin + heat], use_for);
         let on = others.as_ref().unwrap_or(study);
@@ -364,12 +362,12 @@ fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Ranked> {
         racing = judged.map(measured).collect();
         racing.sort_by(|a, b| b.gain().total_cmp(&a.gain()));
         begin += heat;
-        if begin < at.len() {
-            let behind = racing.split_off(
-                racing.len().min(racing.len().div_ceil(2).max(FINALISTS).max(settings.members + RESERVES)),
-            );
-            fallen.splice(0..0, behind);
+        if begin >= end {
+            break;
         }
+        let kept = racing.len().div_ceil(2).max(FINALISTS).max(settings.members + RESERVES);
+        let behind = racing.split_off(racing.len().min(kept));
+        fallen.splice(0..0, behind);
     }
     racing.extend(fallen);
     racing

@@ -80,12 +80,11 @@ pub(crate) fn confirming<'s>(study: &'s Study, settings: &Settings) -> &'s [Vec<
     study.confirming.get_or_init(Default::default)
 }
 
-/// For confirming gains: some at a spacing and some at half of it, where the lattice shown is not too fine for that and time
-/// is not short.
+/// For confirming gains: some at a spacing and some at half of it, where the lattice shown is not too fine for that: in
+/// a hurry sooner.
 fn confirmed_at(study: &Study, settings: &Settings) -> [Vec<LatticeAt>; 2] {
     let vertices = study.lattice.cells.len() as f64;
-    let most = if study.is_hurried() { 1.0 } else { 2.0 };
-    let finer = (VERTICES_MAX / vertices).sqrt().clamp(1.0, most);
+    let finer = (VERTICES_MAX / study.thinned() as f64 / vertices).sqrt().clamp(1.0, 2.0);
     let fine_m = study.spacing_m / finer;
     let [coarse, fine] = CONFIRMING;
     [(Purpose::Coarse, 2.0 * fine_m, coarse), (Purpose::Fine, fine_m, fine)]

@@ -128,7 +128,7 @@ impl Guards {
     }
 }
 
-/// A wall no longer than this is none, metres: corners are written to the micrometre.
+/// A wall that is not longer has no length, metres: corners are written to the micrometre.
 const POINT_M: f64 = 0.001;
 
 /// How many walls a layout leaves no length.

@@ -4,7 +4,7 @@ use super::edits::{built_axis, filling, outlines, thickness_m};
 use super::made::{Drawn, Moved, Together};
 use super::option::{BuildingOption, Judges};
 use super::overhead::Overhead;
-use super::sets::{BEST, BEST_IN_A_HURRY, Counted, MOST, Sets, front, paying, sort};
+use super::sets::{BEST, Counted, MOST, Sets, front, paying, sort};
 use super::{Floor, Listed, shown, whole_mm};
 use crate::confirm::confirmed;
 use crate::confirm::ideas::Experience;
@@ -176,9 +176,9 @@ impl<'a> Builder<'a> {
     pub(super) fn sets(&self, cancel: &Cancel) -> Result<(Vec<Set>, Vec<Set>), Error> {
         let may = |e: &WorkEntry| e.is_allowed;
         let result = &self.listed.result;
-        let best_of_list = if self.judges.study.is_hurried() { BEST_IN_A_HURRY } else { BEST };
+        let most = BEST / self.judges.study.thinned();
         let places = |of: Vec<&WorkEntry>| of.iter().map(|e| e.id - 1).collect::<Vec<_>>();
-        let (among, gaining) = (places(result.different_of(best_of_list, may)), places(result.gaining(may)));
+        let (among, gaining) = (places(result.different_of(most, may)), places(result.gaining(may)));
         let site = self.floor().site(self.judges.study);
         let works = &self.listed.found;
         let alone: Vec<OnceLock<i64>> = works.iter().map(|_| OnceLock::new()).collect();

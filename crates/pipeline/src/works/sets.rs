@@ -15,8 +15,6 @@ use enfilade_works::{Change, RoomId, Site, Work};
 
 /// Works of which all pairs are counted, the best of each pair of rooms: what a longer list adds, nobody would build.
 pub(super) const BEST: usize = 100;
-/// … where time is short: a sixteenth of the pairs.
-pub(super) const BEST_IN_A_HURRY: usize = 25;
 /// … fewer on floors where a look through a work takes long: pairs times edges of the visibility graph, for speed alone.
 const PAIR_EDGES: f64 = 6.0e8;
 /// Pairs to which a third work is added, the best: for speed alone.

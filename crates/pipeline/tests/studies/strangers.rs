@@ -359,7 +359,7 @@ fn no_wall_shrinks_to_a_point() {
     assert!(shortened, "{:?}", done.report);
 }
 
-/// Who states too little time is told what it changes.
+/// A time stated that is too short comes with a word on what it changes.
 #[test]
 fn too_little_time_is_told() {
     let mark = ring("EF-MOVE", [3.5, 3.5, 6.5, 4.5]) + &text("EF-MOVE", [4.0, 4.3], "x -1 1");

@@ -30,7 +30,7 @@ pub struct RoleSense {
     pub confidence: f32,
 }
 
-/// How sure an outline of a room is a wall: so little that it is asked.
+/// How sure an outline of a room is a wall: below [`questions::WALLS_SURE`], so that it is asked. Two drawings only.
 const OUTLINE_SURE: f32 = 0.4;
 
 /// How sure the unit is, and why.

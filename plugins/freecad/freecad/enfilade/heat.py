@@ -1,12 +1,12 @@
 """What every cell of the layouts of a round measures, asked of the program one layout after another."""
 
 import io
-import tempfile
 from typing import Dict, List, Optional, Tuple
 
 from enfilade_common import preview, program, results
 from enfilade_common.model import PluginError
 
+from .asked import Asked
 from .qt import QtCore
 
 
@@ -18,26 +18,18 @@ class HeatMaps(QtCore.QObject):
 
     def __init__(self, parent=None):
         super().__init__(parent)
-        self._process: Optional[QtCore.QProcess] = None
-        self._folder: Optional[tempfile.TemporaryDirectory] = None
+        self._asked = Asked(self)
         self.stop()
 
     def begin(self, path: str, found: results.Round, drawings: List[str], level: str) -> None:
         self.stop()
-        self._folder = tempfile.TemporaryDirectory(prefix="enfilade-")
+        self._asked.open()
         self._path, self._found, self._level = path, found, level
         self._todo = list(drawings)
         self._next()
 
     def stop(self) -> None:
-        process, self._process = self._process, None
-        if process is not None:
-            process.kill()
-            process.waitForFinished(1000)
-            process.deleteLater()
-        if self._folder is not None:
-            self._folder.cleanup()
-            self._folder = None
+        self._asked.stop()
         self._todo: List[str] = []
         self._known: Dict[str, preview.Cells] = {}
 
@@ -54,32 +46,19 @@ class HeatMaps(QtCore.QObject):
         return (min(values), max(values)) if values else (0.0, 0.0)
 
     def _next(self) -> None:
-        if self._process is not None or not self._todo or self._folder is None:
+        folder = self._asked.folder
+        if self._asked.is_running or not self._todo or folder is None:
             return
         drawing = self._todo.pop(0)
-        process = self._process = QtCore.QProcess(self)
-        process.setStandardErrorFile(QtCore.QProcess.nullDevice())
-        process.setStandardInputFile(QtCore.QProcess.nullDevice())
-        process.started.connect(lambda: program.give_way(int(process.processId())))
-        process.finished.connect(lambda *_: self._finished(process, drawing))
-        process.errorOccurred.connect(lambda error: self._failed(process, error))
         found = self._found
         grid = (found.spacing_m, found.lattice_centre)
-        process.start(self._path, program.cells_arguments(drawing, self._folder.name, self._level, found.unit, *grid))
+        asked = program.cells_arguments(drawing, folder, self._level, found.unit, *grid)
+        self._asked.start(self._path, asked, lambda text: self._finished(text, drawing), self.stop)
 
-    def _finished(self, process, drawing: str) -> None:
-        if process is not self._process:
-            return
-        text = bytes(process.readAllStandardOutput()).decode("utf-8", "replace")
-        self._process = None
-        process.deleteLater()
+    def _finished(self, text: str, drawing: str) -> None:
         try:
             self._known[drawing] = preview.read_cells(io.StringIO(text), self._found.scale)
             self.measured.emit(drawing)
         except PluginError as e:
             self.failed.emit(str(e))
         self._next()
-
-    def _failed(self, process, error) -> None:
-        if process is self._process and error == QtCore.QProcess.FailedToStart:
-            self.stop()

@@ -1,7 +1,6 @@
 """Of a plan of lines: which file is behind it, how it is read, and how wide a door is."""
 
 import os
-import tempfile
 from typing import Optional
 
 import FreeCAD as App
@@ -12,6 +11,7 @@ from enfilade_common.model import PluginError
 from enfilade_common.reading import DOOR_M, Reading, reading_of
 
 from . import document, plan2d
+from .asked import Asked
 from .qt import QtCore, QtWidgets
 from .source import Source, Sources
 from .wording import count, say
@@ -34,8 +34,7 @@ class ReadRow(QtWidgets.QWidget):
         self.reading: Optional[Reading] = None
         self._job: Optional[job.Job] = None
         self._read_for = None
-        self._process = None
-        self._folder = None
+        self._asked = Asked(self)
         layout = QtWidgets.QGridLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setColumnStretch(0, 1)
@@ -112,44 +111,33 @@ class ReadRow(QtWidgets.QWidget):
     def look(self, doc) -> None:
         """Asks the program how it reads the plan as it stands."""
         self._read_for = doc.Name
-        self.stop()
         try:
             study, _ = document.study(doc, self._panel.study.wishes(), self._panel.head.storey())
             source = self.behind(doc, study)
-            self._folder = tempfile.TemporaryDirectory(prefix="enfilade-read-")
-            self._job = job.write(study, self._folder.name, source.match)
+            self._job = job.write(study, self._asked.open(), source.match)
             path = self._panel.program()
         except PluginError as e:
             self.read.setText(str(e))
             return
-        process = self._process = QtCore.QProcess(self)
-        process.setStandardErrorFile(QtCore.QProcess.nullDevice())
-        process.setStandardInputFile(QtCore.QProcess.nullDevice())
-        process.started.connect(lambda: program.give_way(int(process.processId())))
-        process.finished.connect(lambda *_: self._finished(process))
-        process.start(path, program.check_arguments(self._job.drawing))
+        self._asked.start(path, program.check_arguments(self._job.drawing), self._finished, self._not_begun)
 
     def stop(self) -> None:
-        process, self._process = self._process, None
-        if process is not None:
-            process.kill()
-            process.waitForFinished(1000)
-            process.deleteLater()
-        if self._folder is not None:
-            self._folder.cleanup()
-            self._folder = None
+        self._asked.stop()
 
-    def _finished(self, process) -> None:
-        if process is not self._process:
-            return
-        text = bytes(process.readAllStandardOutput()).decode("utf-8", "replace")
-        self._process = None
-        process.deleteLater()
+    def _finished(self, text: str) -> None:
         try:
             self._show(reading_of(text))
         except PluginError as e:
-            self._say_nothing()
-            self.read.setText(str(e))
+            self._say_unread(str(e))
+
+    def _not_begun(self) -> None:
+        self.stop()
+        self._say_unread(say("The program cannot be started."))
+
+    def _say_unread(self, why: str) -> None:
+        self.reading = None
+        self.read.setText(why)
+        self._ask()
 
     def _say_nothing(self) -> None:
         self.reading, self.source = None, Source()

@@ -194,6 +194,7 @@ GERMAN = {
     "{} shapes are new or edited.": "{} Formen sind neu oder bearbeitet.",
     "Things of the file that are not here, and are left out: {}.": "Was in der Datei steht, hier fehlt und wegbleibt: {}.",
     "Things that the import lost, taken from the file: {}.": "Was der Import verlor und aus der Datei kommt: {}.",
+    "The program cannot be started.": "Das Programm lässt sich nicht starten.",
     "{} is a drawing of a job, which is written anew. Choose your own.": "{} gehört zu einem Auftrag und wird neu geschrieben. Wählen Sie Ihre eigene Datei.",
     "1 shape is new or edited.": "1 Form ist neu oder bearbeitet.",
     "No DXF file fits these shapes. Layers and unit are unknown.": "Keine DXF-Datei passt zu diesen Formen. Layer und Einheit sind unbekannt.",
