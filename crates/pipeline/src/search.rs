@@ -117,7 +117,9 @@ pub(crate) fn search<'a>(
         }
         let is_due = settings.write_every_secs.is_some_and(|s| written.elapsed().as_secs_f64() >= s);
         if is_due && search.stop_reason().is_none() && !watch.cancel.is_stopped() {
+            let at = Instant::now();
             so_far(&search, progress(&search, control, begun), watch)?;
+            allowance.pause(at.elapsed().as_secs_f64());
             written = Instant::now();
         }
     }

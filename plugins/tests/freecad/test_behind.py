@@ -167,6 +167,28 @@ def test_a_file_that_does_not_fit_is_not_used(doc, tmp_path, recent):
     assert behind(doc)[1].words == f"{path} cannot be read any more. Layers and unit are unknown."
 
 
+def test_a_named_file_that_does_not_fit_hides_no_other(doc, tmp_path, recent):
+    path, _ = two_rooms(tmp_path / "house.dxf")
+    import_into(doc, path)
+    doc.Label = "other"
+    named = str(tmp_path / "other.dxf")
+    with open(named, "w") as f:
+        f.write("0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n0\n20\n0\n11\n7\n21\n3\n0\nENDSEC\n0\nEOF\n")
+    recent(named, path)
+    assert behind(doc)[1].match.file.path == path
+
+
+def test_a_plan_drawn_here_needs_no_file(doc):
+    import Draft
+
+    for x in (0, 4000):
+        Draft.make_line(V(x, 0, 0), V(x, 3000, 0))
+    doc.recompute()
+    found = behind(doc)[1]
+    assert found.match is None and not found.is_warning
+    assert found.words == "No DXF file is behind these shapes: they are read as drawn here."
+
+
 def test_the_file_is_remembered_in_the_document(doc, tmp_path, recent):
     path, _ = two_rooms(tmp_path / "house.dxf")
     import_into(doc, path)

@@ -69,15 +69,17 @@ pub(crate) fn ranked(study: &Study, settings: &Settings) -> Vec<LatticeAt> {
 }
 
 /// The study on each of the lattices that gains are confirmed on, coarse and fine; none where one has no cells. They are
-/// made once a study, by the settings of its round: what a round confirms, it confirms on the same.
+/// made once a study, by the settings of its round: what a round confirms, it confirms on the same. What is written on the
+/// way may come before a hurry.
 pub(crate) fn confirming<'s>(study: &'s Study, settings: &Settings) -> &'s [Vec<Study>; 2] {
-    if study.confirming.get().is_none() {
+    let made = &study.confirming[usize::from(study.is_hurried())];
+    if made.get().is_none() {
         let on = |at: &LatticeAt| study.on_lattices(settings, &[*at], Use::Few(drawn(settings))).ok();
-        let made = confirmed_at(study, settings).map(|all| all.par_iter().filter_map(on).collect());
+        let all = confirmed_at(study, settings).map(|all| all.par_iter().filter_map(on).collect());
         // Whoever was first made the same.
-        drop(study.confirming.set(made));
+        drop(made.set(all));
     }
-    study.confirming.get_or_init(Default::default)
+    made.get_or_init(Default::default)
 }
 
 /// For confirming gains: some at a spacing and some at half of it, where the lattice shown is not too fine for that: in

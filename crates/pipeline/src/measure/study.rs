@@ -63,8 +63,9 @@ pub struct Study {
     pub(super) card_trouble: OnceLock<String>,
     /// Set where the time stated is too short: what is measured after the search is measured less finely.
     pub(super) hurried: OnceLock<()>,
-    /// The same study on the lattices that gains are confirmed on, coarse and fine, once they are wanted.
-    pub(super) confirming: OnceLock<[Vec<Study>; 2]>,
+    /// The same study on the lattices that gains are confirmed on, coarse and fine, once they are wanted: with time, and in a
+    /// hurry.
+    pub(super) confirming: [OnceLock<[Vec<Study>; 2]>; 2],
     /// Memory of threads that do not measure at the moment.
     pub(super) benches: Mutex<Vec<Bench>>,
     pub(super) pieces: Pieces,
@@ -219,7 +220,7 @@ impl Study {
             roots: if let Use::Roots(n, _) = use_for { Some(n) } else { None },
             card_trouble: OnceLock::new(),
             hurried: OnceLock::new(),
-            confirming: OnceLock::new(),
+            confirming: [OnceLock::new(), OnceLock::new()],
             benches: Mutex::default(),
             pieces,
         };

@@ -129,6 +129,11 @@ impl<'a> Allowance<'a> {
         }
     }
 
+    /// What was found so far was written, which took so many seconds.
+    pub(crate) fn pause(&mut self, secs: f64) {
+        self.clock.pause(secs);
+    }
+
     /// The clock goes on from where a remembered batch left it.
     pub(crate) fn go_on(&mut self, from: Pace) {
         self.clock.set(from.spent_secs);

@@ -60,6 +60,11 @@ impl Clock {
         self.set = (Instant::now(), spent_secs);
     }
 
+    /// So many seconds were spent on something else since the search began: they say nothing of its pace.
+    pub(crate) fn pause(&mut self, secs: f64) {
+        self.begun_secs += secs;
+    }
+
     /// Seconds an evaluation has taken on average, of so many.
     pub(crate) fn secs_each(&self, done: u64) -> f64 {
         (self.spent_secs() - self.begun_secs).max(0.0) / done.max(1) as f64

@@ -11,7 +11,7 @@ from enfilade_common.behind import Match
 from enfilade_common.dxf_file import DxfFile
 from enfilade_common.model import Drawn, PluginError
 
-from . import settings
+from . import plan2d, settings
 from .wording import say
 
 #: Files opened last that are looked at, where none bears the document's name.
@@ -54,12 +54,15 @@ class Sources:
             return Source()
         said = settings.drawing(doc)
         known = str(said.get("path") or "")
-        found = [self._look(doc, path, drawn) for path in ([known] if known else candidates(doc))]
-        fits = [m for m in found if m is not None and m.fits]
-        if fits:
-            return _found(max(fits, key=lambda m: m.shapes_share))
         if known:
-            return Source(None, _lost(known, found[0]), True)
+            match = self._look(doc, known, drawn)
+            return _found(match) if match is not None and match.fits else Source(None, _lost(known, match), True)
+        for paths in candidates(doc):
+            fits = [m for m in (self._look(doc, path, drawn) for path in paths) if m is not None and m.fits]
+            if fits:
+                return _found(max(fits, key=lambda m: m.shapes_share))
+        if is_drawn_here(doc):
+            return Source(None, say("No DXF file is behind these shapes: they are read as drawn here."))
         return Source(None, say("No DXF file fits these shapes. Layers and unit are unknown."), True)
 
     def choose(self, doc, path: str, drawn: List[Drawn]) -> Source:
@@ -141,8 +144,13 @@ def _misfit(path: str, match: Match) -> str:
     return say("{} does not fit these shapes: only {} % are alike. It is not used.", os.path.basename(path), share)
 
 
-def candidates(doc) -> List[str]:
-    """Files that may be behind a document: by its name among those opened last and beside it, then the last ones."""
+def is_drawn_here(doc) -> bool:
+    """Whether all lines of a document know how they were made, as what an import makes does not."""
+    return all(o.TypeId != "Part::Feature" for o in plan2d.lines(doc))
+
+
+def candidates(doc) -> List[List[str]]:
+    """Files that may be behind a document: those of its name, opened last or beside it, and where none fits the last ones."""
     recent = [p for p in _recent() if p.lower().endswith(".dxf")]
     names = {_plain(doc.Label), _plain(doc.Name)}
     beside = []
@@ -152,8 +160,8 @@ def candidates(doc) -> List[str]:
         beside += [os.path.join(folder, stem + ext) for stem in stems if stem for ext in (".dxf", ".DXF")]
     named = [p for p in recent if _plain(os.path.splitext(os.path.basename(p))[0]) in names]
     first = [p for p in dict.fromkeys([*named, *beside]) if os.path.isfile(p)]
-    found = first or [p for p in recent[:RECENT_MAX] if os.path.isfile(p) and os.path.getsize(p) <= UNNAMED_MAX]
-    return [p for p in found if not _is_job(p)]
+    others = [p for p in recent[:RECENT_MAX] if os.path.isfile(p) and os.path.getsize(p) <= UNNAMED_MAX]
+    return [[p for p in found if not _is_job(p)] for found in (first, others)]
 
 
 def _is_job(path: str) -> bool:
