@@ -369,6 +369,8 @@ pub struct Drawing {
     pub singles: BTreeMap<usize, Single>,
     /// What else is drawn, by layer and kind.
     pub undrawn: Vec<Undrawn>,
+    /// External files that are shown and were not opened.
+    pub unbound: usize,
     /// Records of model space and of the blocks it shows, ascending: shapes, texts, INSERTs, dimensions and the like.
     /// Empty for formats without such.
     pub records: Vec<Record>,
@@ -623,6 +625,7 @@ impl Drawing {
             widths: BTreeMap::new(),
             singles: BTreeMap::new(),
             undrawn: Vec::new(),
+            unbound: 0,
             records: Vec::new(),
             written: Written::default(),
             north_deg: 0.0,

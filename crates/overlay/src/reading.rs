@@ -11,8 +11,11 @@ use enfilade_report::counted;
 /// What a drawing is taken for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
-    /// How sure it is in all: as sure as the least sure of unit, drawing and walls.
+    /// How sure it is in all: as sure as the least sure part.
     pub confidence: f64,
+    /// How sure each part is.
+    #[serde(default)]
+    pub sure: SureReading,
     /// The unit and how sure it is.
     pub unit: UnitReading,
     /// The drawings of the sheet.
@@ -82,6 +85,21 @@ impl Reading {
             coverage: self.coverage,
         }
     }
+}
+
+/// How sure each part of a reading is, 0 to 1; `null` where it is not in question.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SureReading {
+    /// The unit.
+    pub unit: f64,
+    /// The drawing of the sheet that is read.
+    pub view: Option<f64>,
+    /// What is a wall, and what is not.
+    pub walls: Option<f64>,
+    /// The rooms: whether somebody can enter them.
+    pub rooms: Option<f64>,
+    /// Whether all of the drawing is there.
+    pub whole: Option<f64>,
 }
 
 /// The unit.

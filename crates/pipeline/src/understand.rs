@@ -19,6 +19,7 @@ pub(crate) mod reach;
 pub(crate) mod regions;
 pub(crate) mod rooms;
 pub(crate) mod sensed;
+pub(crate) mod sureness;
 pub(crate) mod understood;
 
 use glam::DVec2;
@@ -40,7 +41,7 @@ use enfilade_plan::{Plan, PlanOptions, fittings, labels, structure, understand, 
 use enfilade_report::{Error, Place, Problem, Report, Severity};
 use moves::{Known, moves};
 use options::plan_options;
-use regions::{add_regions, corrected, state_unused_seeds};
+use regions::{add_regions, corrected, state_unused_seeds, without_called_outdoors};
 use understood::{Understood, faces};
 
 /// Where no wall was read, says why the first could not be, rather than how to name a layer.
@@ -118,6 +119,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     }
     let interior = Interior::new(&all, &closings, plan.human_scale).map(|i| i.without(&plan.outdoors));
     let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
+    let interior = interior.map(|i| without_called_outdoors(i, drawing, &plan, report));
     let interior = corrected(interior, &mut plan, settings, report);
     if let Some(interior) = interior.as_ref().filter(|_| settings.seed_points.is_empty()) {
         let is_marked = |p: PointUm| plan.markers.regions().any(|r| r.contains(p));
@@ -138,6 +140,8 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
     let entities = sensed::entities_of_walls(&plan, drawing);
+    let (sure_of_walls, sure_of_whole) =
+        (sureness::of_walls(&plan, drawing), sureness::of_whole(drawing));
     let (things, spaces) =
         (enfilade_plan::kinds::find_things(drawing, &plan), building::named_spaces(drawing, &plan));
     let space_rings = building::space_rings(drawing, &plan);
@@ -160,6 +164,8 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         wishes: drawing.wishes.clone(),
         closings,
         entities,
+        sure_of_walls,
+        sure_of_whole,
         marked,
     };
     if !groups.is_empty() {

@@ -77,9 +77,12 @@ impl Pieces {
         let ways = sides.iter().flat_map(|[a, b]| [[*a, *b], [*b, *a]]);
         ways.into_iter().find_map(|[hinge, end]| {
             let length = hinge.distance(end);
-            let is_free =
-                !self.others(end - AT_M, end + AT_M, own).any(|p| distance_to_segment(end, p.ends) <= AT_M);
-            let tip = if is_free { self.tip(hinge, end, own)? } else { return None };
+            let tip = self.tip(hinge, end, own)?;
+            let at_end =
+                |p: &Piece| distance_to_segment(end, p.ends) <= AT_M && !is_chord(p.ends, [end, tip]);
+            if self.others(end - AT_M, end + AT_M, own).any(|p| at_end(&p)) {
+                return None;
+            }
             let turn = (end - hinge).angle_to(tip - hinge);
             let start = if turn > 0.0 { end - hinge } else { tip - hinge };
             let (start_rad, sweep_rad) = (start.to_angle(), turn.abs());
@@ -112,6 +115,12 @@ impl Pieces {
         let mut others = self.walls(a.min(b), a.max(b), own).filter(|s| !runs_along(*s));
         !others.any(|s| parts([a, b], s) && parts(s, [a, b]))
     }
+}
+
+/// Whether a piece runs from where a leaf stands open to where it closes: its swing, drawn straight.
+fn is_chord(piece: [DVec2; 2], [end, tip]: [DVec2; 2]) -> bool {
+    let meets = |[p, q]: [DVec2; 2]| p.distance(end) <= AT_M && q.distance(tip) <= WIDTH_M;
+    meets(piece) || meets([piece[1], piece[0]])
 }
 
 /// The direction in which a piece ends at a place, out of the piece; none for what is too short to tell.
@@ -195,5 +204,8 @@ mod tests {
         assert_eq!(closes(&[leaf], &[[2.0, 1.0, 2.1, 1.0]]), None);
         assert_eq!(closes(&[leaf], &[[2.4, -1.0, 2.4, 1.0]]), None);
         assert_eq!(closes(&[leaf], &[[5.0, 0.0, 5.0, 1.0]]), Some([20, 90]));
+        // Its swing as a chord, to the jamb and to no place.
+        assert_eq!(closes(&[leaf], &[[2.0, 1.0, 2.9, 0.1]]), Some([20, 90]));
+        assert_eq!(closes(&[leaf], &[[2.0, 1.0, 2.5, 0.1]]), None);
     }
 }

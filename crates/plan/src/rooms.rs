@@ -50,9 +50,12 @@ pub fn open_touching(plan: &Plan, axes: &mut AxisGraph) {
         return;
     }
     let rings: BTreeSet<u32> = pieces.iter().map(|p| p.face.0).collect();
-    // What looks like a window between two outlines is the outlines' own jambs.
-    axes.openings.retain(|o| !o.faces.iter().chain(&o.through).any(|f| rings.contains(&f.0)));
-    axes.see_through.retain(|f| !rings.contains(&f.0));
+    // What looks like a window between two outlines is the outlines' own jambs; a symbol of a door or window is not.
+    let is_jambs =
+        |o: &Opening| o.marks.is_empty() && o.faces.iter().chain(&o.through).any(|f| rings.contains(&f.0));
+    axes.openings.retain(|o| !is_jambs(o));
+    let meant: BTreeSet<FaceRef> = axes.openings.iter().flat_map(|o| o.faces.iter().copied()).collect();
+    axes.see_through.retain(|f| !rings.contains(&f.0) || meant.contains(f));
     let reach = (TOUCHING_SHARE * thickness).min(TOUCHING_MAX_M);
     let mut found: Vec<Opening> = Vec::new();
     for (i, p) in pieces.iter().enumerate() {

@@ -516,6 +516,7 @@ fn external(reader: &mut Reader<'_, '_>, insert: usize, block: &str, path: &str)
         "block {block} is the external file {path}; never opened, left out of the plan; bind the xref {block} in your CAD program \
          (XREF, Bind) and save again"
     );
+    reader.unbound += 1;
     reader.warn("dxf-external-reference", insert, text);
 }
 

@@ -127,6 +127,7 @@ fn with_storeys(
         wishes: Vec::new(),
         built: Default::default(),
         undrawn,
+        unbound: reader.unbound,
         records: reader.records,
         written,
     };

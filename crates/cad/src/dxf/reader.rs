@@ -40,6 +40,8 @@ pub(super) struct Reader<'a, 'r> {
     pub left_out: BTreeMap<String, usize>,
     /// What is drawn and no line of the plan, by layer, kind and whether it stands on paper.
     pub undrawn: BTreeMap<(&'a [u8], &'a [u8], bool), usize>,
+    /// External files that are shown and were not opened.
+    pub unbound: usize,
     /// Records met so far that draw something, on no paper.
     pub records: Vec<Record>,
     report: &'r mut Report,
@@ -126,6 +128,7 @@ impl<'a, 'r> Reader<'a, 'r> {
             widths: BTreeMap::new(),
             left_out: BTreeMap::new(),
             undrawn: BTreeMap::new(),
+            unbound: 0,
             records: Vec::new(),
             report,
             note_counts: BTreeMap::new(),

@@ -134,6 +134,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         wishes: Vec::new(),
         built,
         undrawn: Vec::new(),
+        unbound: 0,
         records: Vec::new(),
         written: Default::default(),
         fills: Vec::new(),

@@ -718,6 +718,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             widths: Default::default(),
             singles: Default::default(),
             undrawn: Vec::new(),
+            unbound: 0,
             records: Vec::new(),
             written: Default::default(),
             north_deg: north_deg(self.b),

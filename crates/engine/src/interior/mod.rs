@@ -37,6 +37,32 @@ pub struct Interior {
     has_room: bool,
 }
 
+/// The floor round points of an interior.
+struct Around {
+    raster: Raster,
+    before: Vec<bool>,
+    parts: Parts,
+}
+
+impl Around {
+    fn new(of: &Interior) -> Self {
+        let raster = of.raster.clone();
+        let parts = Parts::new(&raster, &raster.distance(&raster.wall));
+        Self { raster, before: of.outline.clone(), parts }
+    }
+
+    /// Pixels as far as the cheapest cut reaches that has a point on its side.
+    fn floor(&self, p: PointUm, is_inside: bool) -> Option<Vec<usize>> {
+        let label = &self.parts.label;
+        let at = self.raster.at(p).filter(|i| label[*i] != cut::NONE)?;
+        let (said, _) = self.parts.inside(MEASURED, &BTreeMap::from([(label[at], is_inside)]));
+        let mut seen = vec![false; self.before.len()];
+        Some(self.raster.flood(at, &mut seen, |i| {
+            !self.raster.wall[i] && said[label[i] as usize] == is_inside && (is_inside || self.before[i])
+        }))
+    }
+}
+
 impl Interior {
     /// Finds the interior of the walls as they stand. `closings`: lines across doors and windows, where they
     /// are known. `None` without walls. All lengths that mean a person's shrink with `human_scale`.
@@ -115,27 +141,17 @@ impl Interior {
     /// outside, by their index: they change nothing.
     #[must_use]
     pub fn corrected(mut self, inside: &[PointUm], outside: &[PointUm]) -> (Self, Vec<usize>) {
-        let (raster, before) = (self.raster.clone(), self.outline.clone());
-        let parts = Parts::new(&raster, &raster.distance(&raster.wall));
-        let part_at = |p: PointUm| raster.at(p).map(|i| parts.label[i]).filter(|l| *l != cut::NONE);
-        let floor = |p: PointUm, is_inside: bool| {
-            let part = part_at(p)?;
-            let (said, _) = parts.inside(MEASURED, &BTreeMap::from([(part, is_inside)]));
-            let mut seen = vec![false; before.len()];
-            Some(raster.flood(raster.at(p)?, &mut seen, |i| {
-                !raster.wall[i] && said[parts.label[i] as usize] == is_inside && (is_inside || before[i])
-            }))
-        };
-        let is_open = |floor: &[usize]| floor.iter().any(|i| raster.is_border(*i));
+        let around = Around::new(&self);
+        let is_open = |floor: &[usize]| floor.iter().any(|i| around.raster.is_border(*i));
         for p in outside {
-            let own = raster.at(*p).filter(|i| self.outline[*i]);
-            for i in own.and_then(|_| floor(*p, false)).into_iter().flatten() {
+            let own = around.raster.at(*p).filter(|i| self.outline[*i]);
+            for i in own.and_then(|_| around.floor(*p, false)).into_iter().flatten() {
                 (self.inside[i], self.outline[i]) = (false, false);
             }
         }
         let mut open = Vec::new();
         for (k, p) in inside.iter().enumerate() {
-            match floor(*p, true).filter(|f| !is_open(f)) {
+            match around.floor(*p, true).filter(|f| !is_open(f)) {
                 Some(floor) => floor.into_iter().for_each(|i| {
                     (self.inside[i], self.outline[i], self.cavity[i]) = (true, true, false);
                 }),
@@ -143,6 +159,29 @@ impl Interior {
             }
         }
         (self.counted_again(), open)
+    }
+
+    /// The same without the floor round points that are called outdoors (drawing frame, micrometres), as far as the cheapest
+    /// cut reaches; not where one of `rooms` stands on that floor too. Besides the points without whose floor it is, by their
+    /// index.
+    #[must_use]
+    pub fn without_called(mut self, outdoors: &[PointUm], rooms: &[PointUm]) -> (Self, Vec<usize>) {
+        let is_inside = |p: &PointUm| self.contains(*p);
+        if !outdoors.iter().any(is_inside) {
+            return (self, Vec::new());
+        }
+        let around = Around::new(&self);
+        let taken: Vec<usize> = rooms.iter().filter_map(|p| around.raster.at(*p)).collect();
+        let mut left = Vec::new();
+        for (k, p) in outdoors.iter().enumerate().filter(|(_, p)| self.contains(**p)).collect::<Vec<_>>() {
+            let floor = around.floor(*p, false).filter(|f| !taken.iter().any(|room| f.contains(room)));
+            for i in floor.into_iter().flatten() {
+                (self.inside[i], self.outline[i]) = (false, false);
+                left.push(k);
+            }
+        }
+        left.dedup();
+        (self.counted_again(), left)
     }
 
     /// The same, where parts of the drawn walls stop no sight: doors and windows that are drawn through.

@@ -3,11 +3,16 @@
 use glam::DVec2;
 
 use crate::understand::understood::Understood;
+use enfilade_cad::drawing::{Drawing, Format};
+use enfilade_cad::names::is_outdoors;
+use enfilade_cad::own_layers;
 use enfilade_config::{PairName, Settings};
 use enfilade_engine::Region;
 use enfilade_engine::geometry::PointUm;
 use enfilade_engine::interior::Interior;
 use enfilade_plan::Plan;
+use enfilade_plan::floor::name_in;
+use enfilade_plan::kinds::kind_of_name;
 use enfilade_plan::reading::corrections::Finding;
 use enfilade_report::{Error, Place, Report, counted};
 
@@ -35,6 +40,42 @@ pub(crate) fn add_regions(plan: &mut Plan, settings: &Settings) -> Result<(), Er
         list.push(Region::Ring(ring));
     }
     Ok(())
+}
+
+/// Names of floor outdoors that are said at most.
+const CALLED_SAID: usize = 5;
+
+/// The interior of a DXF without courts, terraces and balconies: floor in which a text says so, and that no other room shares.
+pub(crate) fn without_called_outdoors(
+    interior: Interior,
+    drawing: &Drawing,
+    plan: &Plan,
+    report: &mut Report,
+) -> Interior {
+    if drawing.format != Format::Dxf || !plan.markers.needs_interior() {
+        return interior;
+    }
+    let (mut names, mut outdoors, mut rooms) = (Vec::new(), Vec::new(), Vec::new());
+    let written = drawing.texts.iter().chain(&drawing.tags).filter(|t| !own_layers::is_own(&t.layer));
+    for (text, name) in written.filter_map(|t| Some((t, name_in(&t.text)?))) {
+        let at = plan.frame.um_from_file(text.at);
+        if is_outdoors(&name) {
+            names.push(name);
+            outdoors.push(at);
+        } else if kind_of_name(&name).is_some() {
+            rooms.push(at);
+        }
+    }
+    let (interior, left) = interior.without_called(&outdoors, &rooms);
+    if !left.is_empty() {
+        let mut names: Vec<&str> = left.iter().map(|k| names[*k].as_str()).collect();
+        names.dedup();
+        names.truncate(CALLED_SAID);
+        let text =
+            format!("{}: outdoors by the name, and not measured; --inside X,Y takes it in", names.join(", "));
+        report.info("outdoors-called", Place::file(&plan.file), text);
+    }
+    interior
 }
 
 /// The interior as the user corrects it; what a correction cannot do goes to the plan's findings and the report.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use crate::understand::building;
+use crate::understand::sureness::{self, Sureness};
 use crate::understand::understood::Understood;
 use enfilade_cad::drawing::{Drawing, Entity};
 use enfilade_cad::own_layers;
@@ -75,8 +76,8 @@ pub(crate) struct Sensed {
     pub gaps: Vec<OpenGap>,
     /// The floor; `None` where the walls have no outline.
     pub floor: Option<Floor>,
-    /// How sure it is in all: as sure as the least sure of unit, drawing, walls, and rooms that somebody can enter.
-    pub confidence: f64,
+    /// How sure it is.
+    pub sure: Sureness,
     /// What a person should decide, least certain first.
     pub doubts: Vec<Doubt>,
 }
@@ -109,16 +110,21 @@ impl Sensed {
                 || !settings.reading.outside.is_empty(),
         };
         let is_floor_said = settled.floor;
-        let doubts = questions(plan, &base.axes, &walls, floor.as_ref(), settled);
-        let length: f64 = walls.iter().map(|w| w.1).sum();
-        let sure: f64 = walls.iter().map(|(s, of)| f64::from(s.confidence) * of).sum();
-        let views = plan.views.iter().filter(|v| v.is_chosen).map(|v| v.confidence);
-        let walls = (length > 0.0).then(|| sure / length);
+        let sure_of_walls = base.sure_of_walls.filter(|_| !settled.walls);
+        let doubts = questions(plan, &base.axes, (&walls, sure_of_walls), floor.as_ref(), settled);
+        let is_walled = walls.iter().any(|(sense, of)| sense.role != Role::Column && *of > 0.0);
         let is_open = base.interior.as_ref().is_some_and(|i| i.gap_m() >= WAY_IN_M * plan.human_scale);
         let rooms = floor.as_ref().filter(|_| !is_floor_said);
         let rooms = rooms.and_then(|f| sure_of_rooms(f, &gaps, is_open));
-        let confidence = views.chain(walls).chain(rooms).fold(plan.reading.unit.confidence, f64::min);
-        Self { gaps, floor, confidence, doubts }
+        let views = plan.views.iter().filter(|v| v.is_chosen).map(|v| v.confidence);
+        let sure = Sureness {
+            unit: plan.reading.unit.confidence,
+            view: views.reduce(f64::min),
+            walls: if is_walled { sure_of_walls } else { Some(sureness::without_walls()) },
+            rooms,
+            whole: base.sure_of_whole,
+        };
+        Self { gaps, floor, sure, doubts }
     }
 }
 

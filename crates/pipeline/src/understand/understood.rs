@@ -57,6 +57,10 @@ pub struct Understood {
     pub closings: Vec<Segment>,
     /// For every wall of the plan the index of its entity; filled areas come behind what is drawn.
     pub entities: Vec<usize>,
+    /// How sure what is a wall is, where no class of the file says so.
+    pub sure_of_walls: Option<f64>,
+    /// How sure it is that all of the drawing is there, where something is missing.
+    pub sure_of_whole: Option<f64>,
     /// For every mark of the axes the index of its entity.
     pub marked: Vec<usize>,
 }

@@ -7,6 +7,7 @@ use glam::DVec2;
 use crate::measure::spacing;
 use crate::understand::rooms::{self, Room};
 use crate::understand::sensed::{OpenGap, Sensed, length, of_entity, ways_into};
+use crate::understand::sureness::Sureness;
 use crate::understand::understood::Understood;
 use crate::write::asked;
 use crate::write::places::{Places, round_mm, share};
@@ -17,7 +18,7 @@ use enfilade_cad::own_layers;
 use enfilade_cad::roles::Role;
 use enfilade_engine::Region;
 use enfilade_overlay::reading::{
-    AreaReading, EntityReading, Headline, OpeningReading, Reading, RoomReading, UnitReading, UnitRival,
+    AreaReading, EntityReading, Headline, OpeningReading, Reading, RoomReading, SureReading, UnitReading, UnitRival,
     ViewReading, WallReading,
 };
 use enfilade_overlay::result::ElementRef;
@@ -37,7 +38,8 @@ pub(crate) fn reading(base: &Understood, drawing: &Drawing, (sensed, rooms): (&S
     let at = Places::new(plan);
     let sense = &plan.reading.unit;
     Reading {
-        confidence: share(sensed.confidence),
+        confidence: share(sensed.sure.least()),
+        sure: sure(&sensed.sure),
         unit: UnitReading {
             metres: plan.unit.unit.metres,
             name: plan.unit.unit.name.into(),
@@ -61,12 +63,17 @@ pub(crate) fn reading(base: &Understood, drawing: &Drawing, (sensed, rooms): (&S
     }
 }
 
+fn sure(of: &Sureness) -> SureReading {
+    let [view, walls, rooms, whole] = [of.view, of.walls, of.rooms, of.whole].map(|v| v.map(share));
+    SureReading { unit: share(of.unit), view, walls, rooms, whole }
+}
+
 /// The first line of `check`.
 pub(crate) fn headline<'a>(base: &'a Understood, sensed: &Sensed) -> Headline<'a> {
     let plans = base.plan.views.iter().filter(|v| v.is_chosen).count();
     let doors = sensed.gaps.iter().filter(|g| g.kind == OpeningKind::Door).count();
     Headline {
-        confidence: sensed.confidence,
+        confidence: sensed.sure.least(),
         unit: base.plan.unit.unit.name,
         counts: [plans, base.axes.edges.len(), doors],
         coverage: coverage(&base.plan, sensed).filter(|_| base.plan.markers.query.is_empty()),

@@ -11,7 +11,7 @@ use super::joints::{FreeEnd, Joined};
 use super::near::Buckets;
 use super::spans::{self, Span};
 use super::tolerances::{
-    COLLINEAR_M, CROSSING_MIN_RAD, ERROR_GAP_M, OPENING_MAX_M, OPENING_MIN_M, PASSAGE_MAX_M,
+    CAVITY_MAX_M, COLLINEAR_M, CROSSING_MIN_RAD, ERROR_GAP_M, OPENING_MAX_M, OPENING_MIN_M, PASSAGE_MAX_M,
     SIDE_OPENING_MAX_M, THICKNESS_MAX_M, THICKNESS_MIN_M, THICKNESS_USUAL_M,
 };
 use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind, Path, shell, swings};
@@ -232,7 +232,9 @@ impl<'a> Scene<'a> {
         let other = to.other.map(|o| &self.axes[self.joined.free[o].axis as usize]);
         let sides = a.sides.iter().flatten().chain(&a.inner);
         let both = sides.filter(|f| other.is_some_and(|b| b.has_face(**f))).copied().collect::<Vec<u32>>();
-        let through = self.with_abutting(a, gap, self.drawn.along(&both, &a.carrier, gap));
+        let uncut = self.drawn.along(&both, &a.carrier, gap);
+        let is_shown = kind == OpeningKind::Door && !seen.marks.is_empty();
+        let through = self.with_abutting(a, gap, uncut, is_shown);
         Some(Opening {
             kind,
             centre: a.carrier.at((s0 + s1) / 2.0),
@@ -250,11 +252,13 @@ impl<'a> Scene<'a> {
     }
 
     /// The faces that an opening in an uncut wall leads through, with those of a wall that stands flush against it and is not
-    /// cut there either: rooms that are drawn each with walls of their own, linings, second leaves.
-    fn with_abutting(&self, wall: &Axis, gap: Span, mut through: Vec<u32>) -> Vec<u32> {
-        if through.is_empty() || !wall.carrier.is_line() {
+    /// cut there either: rooms that are drawn each with walls of their own, linings, second leaves. A door that is shown by
+    /// its symbol leads through a second leaf behind a cavity too.
+    fn with_abutting(&self, wall: &Axis, gap: Span, mut through: Vec<u32>, is_shown: bool) -> Vec<u32> {
+        if through.is_empty() && !is_shown || !wall.carrier.is_line() {
             return through;
         }
+        let apart = if is_shown { CAVITY_MAX_M } else { ERROR_GAP_M };
         let half = wall.thickness / 2.0;
         let mut beside: BTreeMap<u32, Vec<(u32, f64)>> = BTreeMap::new();
         for f in self.faces_near.along(&wall.carrier.points(gap), half + THICKNESS_USUAL_M) {
@@ -273,8 +277,8 @@ impl<'a> Scene<'a> {
             let [nearest, farthest] =
                 reach.fold([f64::MAX, f64::MIN], |[low, high], r| [low.min(r), high.max(r)]);
             let is_one_side = faces.iter().all(|(_, offset)| offset * faces[0].1 > 0.0);
-            let is_wall = (THICKNESS_MIN_M..=THICKNESS_USUAL_M).contains(&farthest);
-            if is_one_side && nearest.abs() <= ERROR_GAP_M && is_wall {
+            let is_wall = (THICKNESS_MIN_M..=THICKNESS_USUAL_M + apart).contains(&farthest);
+            if is_one_side && (-ERROR_GAP_M..=apart).contains(&nearest) && is_wall {
                 through.extend(
                     faces.iter().map(|(f, _)| *f).filter(|f| !through.contains(f)).collect::<Vec<u32>>(),
                 );

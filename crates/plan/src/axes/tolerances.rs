@@ -20,6 +20,9 @@ pub const THICKNESS_MAX_M: f64 = 0.8;
 /// Thickness up to which a pair of faces needs no company of equal pairs to be believed.
 pub const THICKNESS_USUAL_M: f64 = 0.42;
 
+/// Widest cavity between the two leaves of a wall: 50 to 150 mm are built.
+pub const CAVITY_MAX_M: f64 = 0.15;
+
 /// A layer up to this thickness beside a wall is its finish (plaster, boards, insulation strip).
 pub const FINISH_MAX_M: f64 = 0.06;
 

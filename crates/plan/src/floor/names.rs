@@ -19,18 +19,26 @@ const SURPLUS: f64 = 0.5;
 /// What the texts of one layer call the rooms, by room: names with their distances from its middle.
 type Named = BTreeMap<usize, Vec<(f64, String)>>;
 
-/// For every room the text in it that names it, of the layer that names most rooms and little else.
+/// For every room the text in it that names it, of the layer that names most rooms and little else. Where that layer names
+/// another room, two letters that stand alone in one name it too: `HW`.
 pub fn name_of_rooms(rooms: &[Area], texts: &[Text], frame: &Frame) -> Vec<Option<String>> {
     let mut layers: BTreeMap<&str, Named> = BTreeMap::new();
+    let mut abbreviated: BTreeMap<(&str, usize), Vec<(f64, String)>> = BTreeMap::new();
     for text in of_rooms(texts) {
         let short = || short_name_in(&text.text).filter(|_| text.layer == SPACE_LAYER);
-        let Some(name) = name_in(&text.text).or_else(short) else { continue };
         let at = frame.um_from_file(text.at);
-        if let Some(room) = rooms.iter().position(|r| r.holds(at)) {
-            let far = middle(&rooms[room])
-                .map_or(f64::MAX, |m| ((m[0] - at[0]) as f64).hypot((m[1] - at[1]) as f64));
+        let Some(room) = rooms.iter().position(|r| r.holds(at)) else { continue };
+        let far =
+            middle(&rooms[room]).map_or(f64::MAX, |m| ((m[0] - at[0]) as f64).hypot((m[1] - at[1]) as f64));
+        if let Some(name) = name_in(&text.text).or_else(short) {
             layers.entry(&text.layer).or_default().entry(room).or_default().push((far, name));
+        } else if let Some(name) = abbreviation_in(&text.text) {
+            abbreviated.entry((&text.layer, room)).or_default().push((far, name));
         }
+    }
+    for ((layer, room), mut names) in abbreviated {
+        let (Some(named), 1) = (layers.get_mut(layer), names.len()) else { continue };
+        named.entry(room).or_insert_with(|| names.split_off(0));
     }
     let claim = |named: &Named| {
         let surplus: usize = named.values().map(|texts| texts.len() - 1).sum();
@@ -68,6 +76,12 @@ fn of_rooms(texts: &[Text]) -> impl Iterator<Item = &Text> {
 fn short_name_in(text: &str) -> Option<String> {
     let mut lines = text.lines().map(str::trim).filter(|line| line.chars().any(char::is_alphabetic));
     lines.next_back().map(str::to_owned)
+}
+
+/// A text that is two letters and no more.
+fn abbreviation_in(text: &str) -> Option<String> {
+    let text = text.trim();
+    (text.chars().count() == 2 && text.chars().all(char::is_alphabetic)).then(|| text.to_owned())
 }
 
 /// Longest line that is looked up among the words for rooms, letters.

@@ -35,10 +35,15 @@ type Bell = (f64, f64, f64);
 
 /// Leaves of doors; of cupboards and of gates.
 const LEAF: [Bell; 2] = [(0.84, 0.16, 0.85), (0.5, 0.25, 0.15)];
-/// Walls: partitions, brick, masonry; rooms drawn with single lines.
-const GAP: [Bell; 4] = [(0.11, 0.25, 0.4), (0.2, 0.25, 0.35), (0.35, 0.3, 0.15), (2.5, 0.7, 0.1)];
+/// Walls: partitions, brick, masonry; …
+const GAP: [Bell; 3] = [(0.11, 0.25, 0.45), (0.2, 0.25, 0.38), (0.35, 0.3, 0.17)];
+/// … rooms, and the share of plans that are drawn with single lines, so that rooms lie between them.
+const ROOM: [Bell; 1] = [(2.5, 0.7, 1.0)];
+const SINGLE_SHARE: f64 = 0.1;
 /// Longer side of a building.
 const SIZE: [Bell; 2] = [(15.0, 0.5, 0.55), (50.0, 1.0, 0.45)];
+/// Plans that are drawn at no known scale, smaller than a building: two of the 35 drawings of `data` and `reading`.
+const SCALELESS_SHARE: f64 = 0.05;
 /// Letters as printed 2 to 5 mm high at 1:50 to 1:200.
 const LETTERS: [Bell; 1] = [(0.2, 0.6, 1.0)];
 /// What is dimensioned.
@@ -159,7 +164,11 @@ fn terms_at(clues: &Clues, said: Said, unit: Unit, scale: f64) -> [f64; CODES.le
     let metres = unit.metres * scale;
     let is_imperial = matches!(unit.name, "in" | "ft");
     let (usual, whole) = USUAL.iter().find(|u| u.0 == unit.name).map_or(UNUSUAL, |u| (u.1, u.2));
-    let size = if clues.largest > 0.0 { fit(&SIZE, clues.largest * metres) } else { 0.0 };
+    let size = match clues.largest * metres {
+        0.0 => 0.0,
+        small if small < SMALL_PLAN_M && clues.extent * metres < SMALL_PLAN_M => SCALELESS_SHARE.ln(),
+        size => fit(&SIZE, size),
+    };
     let letters = clues.letters.map_or(0.0, |l| fit(&LETTERS, l * metres));
     let imperial = match clues.imperial {
         0 => 0.0,
@@ -234,11 +243,15 @@ fn walls(clues: &Clues, metres: f64) -> f64 {
     if !says_thickness(clues) {
         return 0.0;
     }
-    let of = |g: &Gap| {
-        let beyond = g.beyond.iter().map(|d| fit(&GAP, d * metres) - 0.5);
-        beyond.fold(fit(&GAP, g.nearest * metres), f64::max)
+    let of = |bells: &[Bell], g: &Gap| {
+        let beyond = g.beyond.iter().map(|d| fit(bells, d * metres) - 0.5);
+        beyond.fold(fit(bells, g.nearest * metres), f64::max)
     };
-    pooled(clues.gaps.iter().map(|g| (of(g), g.length)), clues.gaps.len() as f64 / 4.0)
+    let all = |bells: &[Bell]| {
+        pooled(clues.gaps.iter().map(|g| (of(bells, g), g.length)), clues.gaps.len() as f64 / 4.0)
+    };
+    // A plan is drawn one way or the other.
+    (all(&GAP) + (1.0 - SINGLE_SHARE).ln()).max(all(&ROOM) + SINGLE_SHARE.ln())
 }
 
 /// How much likelier doors are in it than something else as large, a logarithm.
