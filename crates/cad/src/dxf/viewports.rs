@@ -63,7 +63,9 @@ impl Reader<'_, '_> {
         let reach = DVec2::new(wide, 1.0).length() * height / 2.0;
         let twist = DVec2::from_angle(-number(51).unwrap_or(0.0).to_radians());
         let centre = point(17) + twist.rotate(point(12));
-        !(centre.distance(centre.clamp(lo, hi)) > reach)
+        let off = centre.distance(centre.clamp(lo, hi));
+        // What cannot be told counts as shown.
+        off.is_nan() || reach.is_nan() || off <= reach
     }
 
     /// Layers frozen in a viewport: by their handles, in old files by their names.
