@@ -98,6 +98,7 @@ impl ReadOptions {
             accept_missing_eof: self.accept_missing_eof,
             unit_of_heights: self.unit,
             storey: self.storey.clone(),
+            sight: self.sight,
             ..Default::default()
         }
     }

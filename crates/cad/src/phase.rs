@@ -10,4 +10,6 @@ pub(crate) enum Phase {
     New,
     /// Until the works.
     Demolished,
+    /// While the works last: neither today nor after them.
+    Temporary,
 }

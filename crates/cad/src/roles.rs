@@ -167,7 +167,15 @@ const WORDS: &[(Role, &str)] = &[
         Role::Room,
         "virtual room rooms raum räume area areas offices toilets piece pieces habitacion vano locali sala salas 面积 面積 室名 房间 部屋 실명 면적",
     ),
-    (Role::Hatch, "demo demolished demolition abbruch demolizioni old removed wallpaper 拆除"),
+    (
+        Role::Hatch,
+        "demo demol demolish demolished demolition demolitions demoli demolis demolie demolies demolir démoli démolis \
+         démolie démolies démolir démolition démolitions demolido demolidos demolida demolidas demoler demolicion \
+         demolición demolicao demolição derribo derribos demolire demolito demoliti demolizione demolizioni abbruch \
+         *abbruch abbruchwand abbruchwände abbruchwaende abbruchmauer abbruchmauern abriss *abriss abriß rückbau \
+         rueckbau *rückbau *rueckbau sloop sloopwerk slopen rivning riving nedrivning wyburzenie wyburzenia rozbiórka \
+         bourání demolice old removed wallpaper 拆除 撤去 解体 철거",
+    ),
     (
         Role::Wall,
         "wall walls partition partitions wand wände wande waende mauer mauern mauerwerk mur murs cloison \
@@ -418,6 +426,23 @@ mod tests {
             ("Furniture 3", Furniture),
             ("COTAS", Dimension),
             ("TESTI", Text),
+            ("MUR-DEMOLI", Hatch),
+            ("Murs à démolir", Hatch),
+            ("DÉMOLITION MURS", Hatch),
+            ("muros_demolición", Hatch),
+            ("PAREDES-DEMOLIDAS", Hatch),
+            ("Muri demoliti", Hatch),
+            ("wanden te slopen", Hatch),
+            ("SLOOP-MUUR", Hatch),
+            ("Wände Abbruch", Hatch),
+            ("Mauerabbruch", Hatch),
+            ("Wand_Rückbau", Hatch),
+            ("RUECKBAU WAND", Hatch),
+            ("Abriss Wand", Hatch),
+            ("A-WALL-DEMOLITION", Hatch),
+            ("Grundriss Wand", Wall),
+            ("S-SLOUP", Column),
+            ("DEMOLITEC", Unknown),
             ("topography", Site),
             ("0", Unknown),
             ("Layer 1 11", Unknown),

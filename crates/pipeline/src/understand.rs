@@ -140,8 +140,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
     let entities = sensed::entities_of_walls(&plan, drawing);
-    let (sure_of_walls, sure_of_whole) =
-        (sureness::of_walls(&plan, drawing), sureness::of_whole(drawing));
+    let (sure_of_walls, sure_of_whole) = (sureness::of_walls(&plan, drawing), sureness::of_whole(drawing));
     let (things, spaces) =
         (enfilade_plan::kinds::find_things(drawing, &plan), building::named_spaces(drawing, &plan));
     let space_rings = building::space_rings(drawing, &plan);

@@ -272,6 +272,11 @@ impl Blocks {
         Ok(())
     }
 
+    /// Box round what model space shows, once it is measured.
+    pub fn extent(&self) -> Option<[DVec2; 2]> {
+        self.sheet.extent
+    }
+
     /// Box round what a block draws, once those within it have theirs; of arrays the first copy alone.
     fn box_of(&self, block: usize) -> Option<[DVec2; 2]> {
         let corners = self.list[block].items.iter().flat_map(|item| -> Vec<DVec2> {
@@ -475,6 +480,10 @@ impl Blocks {
                         missing(reader, item.record, &inner.block);
                         continue;
                     };
+                    if reader.layers.list[layer as usize].is_frozen && layer != shown.layer {
+                        reader.count_frozen_insert(layer);
+                        continue;
+                    }
                     let how = match &shown.how {
                         How::Own => self.how(reader, item, inner, child, &map),
                         with => with.clone(),

@@ -94,6 +94,10 @@ impl<'a> Reader<'a, '_> {
             self.check_handle(&fields);
             let is_on_paper = self.int(&fields, 67, 0)? != 0;
             let is_drawn = !is_on_paper && self.int(&fields, 60, 0)? == 0;
+            if !is_drawn && !is_on_paper {
+                let layer = self.layer(&fields);
+                self.count_invisible(&fields, layer);
+            }
             if is_drawn && !PARTS.contains(&name) {
                 self.keep_record(record);
             }
@@ -149,6 +153,7 @@ impl<'a> Reader<'a, '_> {
             b"INSERT" => self.insert(fields)?,
             b"TEXT" => self.text(fields)?,
             b"MTEXT" => self.mtext(fields)?,
+            b"ATTDEF" if self.is_constant(fields)? => self.constant(fields)?,
             _ if SILENT.contains(&name) => return Ok(None),
             _ => {
                 if let Some(shape) = self.fill(name, fields) {
@@ -485,6 +490,23 @@ impl<'a> Reader<'a, '_> {
         let raw = fields.pair(1).map_or(&b""[..], |p| self.tokens.raw(p));
         let text = plain_text(&self.page.decode(raw)).trim().to_owned();
         Ok(Ok(Body::Text(map.transform_point2(at.truncate()), text)))
+    }
+
+    /// Whether the definition of an attribute shows its own text in every INSERT: constant, not invisible, in a block. In
+    /// model space it shows its tag.
+    fn is_constant(&self, fields: &Fields<'_, '_>) -> Result<bool, Error> {
+        const INVISIBLE: i64 = 1;
+        const CONSTANT: i64 = 2;
+        let is_in_block = self.tokens.section(b"BLOCKS").is_some_and(|s| s.contains(&fields.record));
+        Ok(is_in_block && self.int(fields, 70, 0)? & (INVISIBLE | CONSTANT) == CONSTANT)
+    }
+
+    fn constant(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
+        let text = self.text(fields)?;
+        Ok(text.map(|body| match (body, self.lines_of(fields.record)) {
+            (Body::Text(at, _), Some(lines)) => Body::Text(at, lines),
+            (body, _) => body,
+        }))
     }
 
     /// The attributes that an INSERT of a layer shows, each on a layer that is named as its tag; what cannot be read of them

@@ -12,9 +12,18 @@ const WAY_MAX: usize = 100;
 
 /// Whether anything in the blocks or in model space states a height.
 pub(super) fn is_raised(tokens: &Tokens<'_>) -> bool {
+    is_any(tokens, |code| matches!(code, 30 | 38))
+}
+
+/// Whether anything in the blocks or in model space is drawn with a thickness.
+pub(super) fn is_thick(tokens: &Tokens<'_>) -> bool {
+    is_any(tokens, |code| code == 39)
+}
+
+fn is_any(tokens: &Tokens<'_>, is_asked: fn(i32) -> bool) -> bool {
     let sections = [&b"BLOCKS"[..], b"ENTITIES"].into_iter().filter_map(|name| tokens.section(name));
     let mut pairs = sections.flatten().flat_map(|record| tokens.record(record));
-    pairs.any(|p| matches!(p.code, 30 | 38) && tokens.number(p).is_some_and(|z| z != 0.0))
+    pairs.any(|p| is_asked(p.code) && tokens.number(p).is_some_and(|z| z != 0.0))
 }
 
 /// Heights of what a file shows, drawing units of model space.
@@ -34,6 +43,25 @@ impl<'t, 'a> Heights<'t, 'a> {
     /// The lowest and the highest height of what a record draws where the INSERTs on the way show it.
     pub fn of(&mut self, origin: &Origin) -> [f64; 2] {
         let own = self.own(origin.record);
+        self.shown(own, origin)
+    }
+
+    /// The same with the thickness (39) in which it is drawn upright, and whether it has one.
+    pub fn reach(&mut self, origin: &Origin) -> ([f64; 2], bool) {
+        let fields = Fields::of(self.tokens, origin.record);
+        let is_extruded = matches!(
+            self.tokens.name(origin.record),
+            b"LINE" | b"LWPOLYLINE" | b"POLYLINE" | b"ARC" | b"CIRCLE"
+        );
+        let thick = if is_extruded { self.number(&fields, 39, 0.0) } else { 0.0 };
+        let up = if self.number(&fields, 230, 1.0) < 0.0 { -thick } else { thick };
+        let [a, b] = self.own(origin.record);
+        let [low, high] = [a.min(b), a.max(b)];
+        (self.shown([low + up.min(0.0), high + up.max(0.0)], origin), thick != 0.0)
+    }
+
+    /// Heights in a block or in model space as the INSERTs on the way show them.
+    fn shown(&mut self, own: [f64; 2], origin: &Origin) -> [f64; 2] {
         let ends = origin.inserts.iter().rev().fold(own, |ends, insert| {
             let [by, shift] = self.through(*insert);
             ends.map(|z| by * z + shift)

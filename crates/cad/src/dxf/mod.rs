@@ -29,6 +29,7 @@ mod fill;
 mod ground;
 mod header;
 mod heights;
+mod hidden;
 mod limits;
 mod links;
 mod multiline;
@@ -45,6 +46,8 @@ mod storeys;
 mod strip;
 mod text;
 mod tokens;
+mod uncut;
+mod viewports;
 mod written;
 
 pub use attached::sheet;
@@ -62,6 +65,7 @@ pub(super) use header::release_of;
 pub(super) use tokens::BINARY_SENTINEL;
 
 use crate::drawing::Unit;
+use crate::ifc::Sight;
 
 /// How to read a drawing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -75,6 +79,8 @@ pub struct ReadOptions {
     /// The storey to read where several are drawn over one another at heights of their own, by its name or number; `None`:
     /// the one with most walls.
     pub storey: Option<String>,
+    /// Height at which the walls are cut, where they are drawn with one.
+    pub sight: Sight,
     /// Limits, named one by one in [`Limits`].
     pub limits: Limits,
 }

@@ -5,10 +5,11 @@ use super::blocks::Blocks;
 use super::complete::{Completeness, foreign, is_complete};
 use super::entity::Body;
 use super::header::Header;
-use super::heights::{Heights, is_raised};
+use super::heights::{Heights, is_raised, is_thick};
 use super::reader::Reader;
 use super::storeys::Storeys;
 use super::tokens::{Fault, Form, Tokens, tokenize};
+use super::uncut::Uncut;
 use crate::drawing::{Drawing, Entity, Format, IdleMarks, Text};
 use crate::own_layers::is_own;
 use crate::storeys::StoreyInfo;
@@ -25,10 +26,12 @@ use enfilade_report::{Error, Place, Report, Severity};
 /// code or number that cannot be read, a limit of [`Limits`](super::Limits) passed. [`Error::Usage`] for a storey that is
 /// not there, where there are several.
 pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
-    let (mut drawing, storeys) = with_storeys(file, bytes, options, report)?;
+    let (mut drawing, storeys, uncut) = with_storeys(file, bytes, options, report)?;
+    let chosen = storeys.as_ref().and_then(|s| s.chosen(options.storey.as_deref()));
     if let Some(storeys) = storeys {
         storeys.keep_one(&mut drawing, options.storey.as_deref(), report)?;
     }
+    uncut.report(file, chosen.unwrap_or(0), report);
     Ok(drawing)
 }
 
@@ -49,13 +52,13 @@ fn raised(file: &str, bytes: &[u8], tokens: &Tokens<'_>, options: &ReadOptions) 
     is_raised(tokens).then(|| with_storeys(file, bytes, options, &mut Report::default()).ok())??.1
 }
 
-/// Reads all of a drawing, and which storeys it has.
+/// Reads all of a drawing, which storeys it has, and what of its walls is not cut.
 fn with_storeys(
     file: &str,
     bytes: &[u8],
     options: &ReadOptions,
     report: &mut Report,
-) -> Result<(Drawing, Option<Storeys>), Error> {
+) -> Result<(Drawing, Option<Storeys>, Uncut), Error> {
     let tokens = checked_tokens(file, bytes, options, report)?;
     let header = Header::read(&tokens);
     let mut reader = Reader::new(file, &tokens, &header, options, report);
@@ -65,9 +68,9 @@ fn with_storeys(
         return Err(Error::input("dxf-no-entities", Place::file(file), text));
     };
     let items = reader.items(section.clone())?;
-    let undrawn = reader.take_undrawn();
     let mut blocks = Blocks::find(&reader)?;
     blocks.measure(&mut reader, &items)?;
+    reader.freeze_by_viewports(blocks.extent());
     let (mut entities, mut texts) =
         (Vec::with_capacity(items.len().min(options.limits.max_entities)), Vec::new());
     let mut tags: Vec<Text> = Vec::new();
@@ -97,12 +100,14 @@ fn with_storeys(
         }
     }
     refuse_many(file, entities.len() + reader.fills.len(), options)?;
+    reader.note_hidden(&entities);
+    let undrawn = reader.take_undrawn();
     let mut written = reader.written(section, &blocks)?;
     written.is_metric = header.measurement.map(|m| m != 0);
     reader.report_left_out();
     reader.finish_notes();
     reader.records.sort_unstable_by_key(|r| r.record);
-    let drawing = Drawing {
+    let mut drawing = Drawing {
         file: file.to_owned(),
         format: Format::Dxf,
         version: header.version_words(),
@@ -131,13 +136,16 @@ fn with_storeys(
         records: reader.records,
         written,
     };
-    let storeys = if is_raised(&tokens) {
-        let unit = options.unit_of_heights.or(options.unit).or(header.unit());
-        Storeys::of(&drawing, &mut Heights::new(&tokens, &blocks), unit)
-    } else {
-        None
-    };
-    Ok((drawing, storeys))
+    let (is_raised, is_thick) = (is_raised(&tokens), is_thick(&tokens));
+    if !is_raised && !is_thick {
+        return Ok((drawing, None, Uncut::default()));
+    }
+    let unit = options.unit_of_heights.or(options.unit).or(header.unit());
+    let mut heights = Heights::new(&tokens, &blocks);
+    let mut storeys = if is_raised { Storeys::of(&drawing, &mut heights, unit) } else { None };
+    let cut = (unit, options.sight.above_m());
+    let uncut = Uncut::take(&mut drawing, storeys.as_mut(), &mut heights, cut);
+    Ok((drawing, storeys, uncut))
 }
 
 /// The pairs of a file that is whole, or the reason it is not taken.
@@ -268,8 +276,20 @@ fn too_many(file: &str, what: &str, most: usize, limit: &str) -> Error {
 }
 
 /// Geometry that may be a wall and that this reader does not draw.
-const SOLID_KINDS: [&str; 8] =
-    ["3DFACE", "3DSOLID", "BODY", "REGION", "MESH", "SURFACE", "EXTRUDEDSURFACE", "PLANESURFACE"];
+const SOLID_KINDS: [&str; 12] = [
+    "3DFACE",
+    "3DSOLID",
+    "BODY",
+    "REGION",
+    "MESH",
+    "SURFACE",
+    "EXTRUDEDSURFACE",
+    "LOFTEDSURFACE",
+    "NURBSURFACE",
+    "PLANESURFACE",
+    "REVOLVEDSURFACE",
+    "SWEPTSURFACE",
+];
 
 /// Whether a record is an object of a vertical product, which only that product can draw.
 fn is_proxy(kind: &str) -> bool {

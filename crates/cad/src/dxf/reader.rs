@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::fields::{Fields, handle_of};
 use super::header::{Header, is_sane};
+use super::hidden::Unseen;
 use super::limits::Limits;
 use super::text::CodePage;
 use super::tokens::{Pair, Tokens, shown};
@@ -42,6 +43,8 @@ pub(super) struct Reader<'a, 'r> {
     pub undrawn: BTreeMap<(&'a [u8], &'a [u8], bool), usize>,
     /// External files that are shown and were not opened.
     pub unbound: usize,
+    /// What is hidden and may be a wall.
+    pub unseen: Unseen,
     /// Records met so far that draw something, on no paper.
     pub records: Vec<Record>,
     report: &'r mut Report,
@@ -98,6 +101,11 @@ impl<'a> Layers<'a> {
         index
     }
 
+    /// Index of the layer of a name in capitals.
+    pub fn of_name(&self, capitals: &str) -> Option<u32> {
+        self.by_name.get(capitals).copied()
+    }
+
     /// Name of a layer.
     pub fn name(&self, index: u32) -> &str {
         &self.list[index as usize].name
@@ -129,6 +137,7 @@ impl<'a, 'r> Reader<'a, 'r> {
             left_out: BTreeMap::new(),
             undrawn: BTreeMap::new(),
             unbound: 0,
+            unseen: Unseen::default(),
             records: Vec::new(),
             report,
             note_counts: BTreeMap::new(),

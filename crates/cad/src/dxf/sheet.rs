@@ -41,7 +41,8 @@ pub(super) enum How<'i> {
 pub(super) struct Sheet {
     /// Drawn pieces.
     pub pieces: u64,
-    extent: Option<[DVec2; 2]>,
+    /// Box round it.
+    pub extent: Option<[DVec2; 2]>,
     /// Outlines of the user's moves.
     moves: Vec<Shape>,
 }

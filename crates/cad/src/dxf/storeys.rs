@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use glam::DVec2;
 
 use super::heights::Heights;
+use super::uncut::leave_out;
 use crate::curve::control_points;
 use crate::drawing::{Drawing, Entity, Shape, Text, Unit};
 use crate::own_layers::{is_marker, is_own};
@@ -18,7 +19,7 @@ use enfilade_report::{Error, Place, Report};
 const SAME_M: f64 = 0.1;
 
 /// Heights of storeys, metres: below them something stands on the floor, above them the heights are no storeys'.
-const STOREY_M: [f64; 2] = [2.0, 12.0];
+pub(super) const STOREY_M: [f64; 2] = [2.0, 12.0];
 
 /// The walls of a storey have at least this share of the length and of the corners of those of the largest.
 const SHARE_MIN: f64 = 0.25;
@@ -97,8 +98,18 @@ impl Storeys {
         Some(Self { list, floors, of: [of_entities, of_fills, texts, tags], are_marks_flat })
     }
 
+    /// The storey of an entity.
+    pub fn of_entity(&self, index: usize) -> usize {
+        self.of[0][index]
+    }
+
+    /// Forgets entities that the drawing has no more.
+    pub fn leave_out(&mut self, gone: &HashSet<usize>) {
+        leave_out(&mut self.of[0], gone);
+    }
+
     /// The storey that is asked for, else the one with most walls, the lowest of several.
-    fn chosen(&self, wanted: Option<&str>) -> Option<usize> {
+    pub fn chosen(&self, wanted: Option<&str>) -> Option<usize> {
         match wanted {
             Some(name) => storey_at(self.list.iter().map(|s| s.name.as_str()), name),
             None => main_storey(&self.list, 0.0),
@@ -153,7 +164,7 @@ fn keep<T>(list: &mut Vec<T>, storeys: &[usize], stays: impl Fn(&T, usize) -> bo
 }
 
 /// The entities that are walls by the names of their layers; where none is so named those on layers whose names say nothing.
-fn walls(drawing: &Drawing) -> Vec<usize> {
+pub(super) fn walls(drawing: &Drawing) -> Vec<usize> {
     let on = |is_it: fn(Role) -> bool| -> Vec<usize> {
         let layers = drawing.layers.iter().map(|l| l.name.as_str());
         let named: HashSet<&str> = layers.filter(|l| !is_own(l) && is_it(role_by_name(l).0)).collect();
@@ -236,6 +247,6 @@ fn floor<'d>(walls: &[(f64, &'d Entity)]) -> Option<Floor<'d>> {
 }
 
 /// How long a shape is from corner to corner, drawing units.
-fn length(e: &Entity) -> f64 {
+pub(super) fn length(e: &Entity) -> f64 {
     control_points(&e.shape).windows(2).map(|w| w[0].distance(w[1])).sum()
 }

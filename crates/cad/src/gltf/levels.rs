@@ -8,6 +8,7 @@ use super::body::Body;
 use super::scene::{File, Shown};
 use crate::StoreyInfo;
 use crate::names::base_name;
+use crate::plane::box_of;
 use crate::roles::{Role, role_by_name};
 use crate::storey_words::storey_name;
 use crate::storeys::is_over;
@@ -55,10 +56,13 @@ impl Levels {
         let walls = walls(bodies, metres);
         let named = Named::of(scene, &walls);
         let mut floors = named.floors(&walls, metres);
-        // Where no name says what is a wall, what stands at a height may be anything.
-        let is_telling = |b: &&&Body<'_>| b.is_wall && named.unit(b.shown).is_none();
-        let tall = walls.iter().filter(is_telling).filter(|b| high_m(b) >= STOREY_HIGH_M);
-        let other = gathered(tall.map(|b| b.low * metres).collect(), &floors);
+        let is_telling = |b: &&&Body<'_>| named.unit(b.shown).is_none() && high_m(b) >= STOREY_HIGH_M;
+        let tall: Vec<&Body<'_>> = walls.iter().filter(is_telling).copied().collect();
+        let mut other = gathered(tall.iter().map(|b| b.low * metres).collect(), &floors);
+        // Where no name says what is a wall, what stands at a height may be anything, unless another height repeats it.
+        if tall.iter().any(|b| !b.is_wall) {
+            other = repeated(&other, &tall, metres);
+        }
         floors.extend(other.into_iter().map(Floor::unnamed));
         floors.sort_by(|a, b| a.floor_m.total_cmp(&b.floor_m));
         if floors.len() < 2 {
@@ -274,6 +278,41 @@ fn commonest(mut lows: Vec<f64>) -> f64 {
     let most =
         lows.iter().copied().max_by(|a, b| near(*a, FLOOR_M).cmp(&near(*b, FLOOR_M)).then(b.total_cmp(a)));
     most.unwrap_or(0.0)
+}
+
+/// Those of some floors above which the same stands as above another of them.
+fn repeated(floors: &[f64], bodies: &[&Body<'_>], metres: f64) -> Vec<f64> {
+    let above: Vec<Vec<Corners>> = floors.iter().map(|f| footprints(*f, bodies, metres)).collect();
+    let is_again = |i: &usize| (0..floors.len()).any(|j| j != *i && are_alike(&above[*i], &above[j]));
+    (0..floors.len()).filter(is_again).map(|i| floors[i]).collect()
+}
+
+/// The lower left and the upper right corner of a footprint in cells of [`GATHERED_M`].
+type Corners = [i64; 4];
+
+/// Footprints of what stands on a floor, each once, sorted.
+fn footprints(floor_m: f64, bodies: &[&Body<'_>], metres: f64) -> Vec<Corners> {
+    let on = bodies.iter().filter(|b| (b.low * metres - floor_m).abs() <= GATHERED_M);
+    let of = |b: &&Body<'_>| {
+        let [lo, hi] = box_of(b.triangles.iter().flatten().map(|p| p.truncate()))?;
+        Some([lo.x, lo.y, hi.x, hi.y].map(|v| (v * metres / GATHERED_M).round() as i64))
+    };
+    let mut out: Vec<Corners> = on.filter_map(of).collect();
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
+/// Whether most footprints of the floor with fewer are those of the other, a cell more or less.
+fn are_alike(a: &[Corners], b: &[Corners]) -> bool {
+    let (few, many) = if a.len() < b.len() { (a, b) } else { (b, a) };
+    let is_same = |p: &Corners, q: &Corners| p.iter().zip(q).all(|(p, q)| p.abs_diff(*q) <= 1);
+    let near = |p: &Corners| {
+        let from = many.partition_point(|q| q[0] < p[0].saturating_sub(1));
+        many[from..].iter().take_while(|q| q[0] <= p[0].saturating_add(1)).any(|q| is_same(p, q))
+    };
+    let same = few.iter().filter(|p| near(p)).count();
+    same >= WALLS_MIN && 2 * same > few.len()
 }
 
 /// Heights at which several walls stand, a storey from each other and from the floors that are known.

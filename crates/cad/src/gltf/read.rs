@@ -79,8 +79,10 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         let own = record(body.element.node, body.piece);
         match marks::status(&scene, &path) {
             _ if entities.len() == before => {}
-            Phase::Existing if body.is_wall => {}
-            Phase::Existing => said.extend(show_work(&scene, &path, &mut entities[before..])),
+            Phase::Existing | Phase::Temporary if body.is_wall => {}
+            Phase::Existing | Phase::Temporary => {
+                said.extend(show_work(&scene, &path, &mut entities[before..]))
+            }
             Phase::New => {
                 built.insert(own);
             }

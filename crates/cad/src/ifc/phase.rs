@@ -15,6 +15,7 @@ fn said(set: &str, name: &str, value: &str) -> Option<Phase> {
         () if is_status || is_renovation => match value.as_str() {
             "demolish" | "to be demolished" | "demolished" => Some(Phase::Demolished),
             "new" => Some(Phase::New),
+            "temporary" => Some(Phase::Temporary),
             _ => None,
         },
         // Revit: the phase in which it goes, where there is one.
@@ -67,7 +68,7 @@ mod tests {
             ("Pset_WallCommon", "Status", "DEMOLISH", Some(Phase::Demolished)),
             ("Pset_WallCommon", "Status", "NEW", Some(Phase::New)),
             ("Pset_DoorCommon", "Status", "EXISTING", None),
-            ("Pset_WallCommon", "Status", "TEMPORARY", None),
+            ("Pset_WallCommon", "Status", "TEMPORARY", Some(Phase::Temporary)),
             ("Mine", "Status", "DEMOLISH", None),
             (
                 "AC_Pset_RenovationAndPhasing",

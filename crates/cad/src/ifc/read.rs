@@ -271,6 +271,8 @@ struct Reader<'b, 's, 'a> {
     stiff: Vec<(u64, Why)>,
     /// Elements that are to be built.
     built: BTreeSet<usize>,
+    /// Elements that stand only while the works last.
+    temporary: Vec<u64>,
     /// Walls and columns of other storeys of which a part cannot be read.
     elsewhere: Vec<u64>,
 }
@@ -333,6 +335,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             slots: Vec::new(),
             stiff: Vec::new(),
             built: BTreeSet::new(),
+            temporary: Vec::new(),
             elsewhere: Vec::new(),
         }
     }
@@ -373,6 +376,13 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 let whole = closings.fold(cut.region, |all, c| all.combine(c, Rule::Union));
                 self.plugged.extend(cut.plugged);
                 self.emit(p, DEMOLISHED, &whole);
+                return;
+            }
+            Phase::Temporary => {
+                self.plugged.extend(cut.plugged);
+                if !cut.region.is_empty() {
+                    self.temporary.push(p.id);
+                }
                 return;
             }
         }
@@ -589,7 +599,10 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 Ok(region.map(|q| plan_point(&frame.world, q)))
             });
             match cut {
-                Ok(region) => self.space(p, &region),
+                Ok(region) => {
+                    self.state_external(p, &region, report);
+                    self.space(p, &region);
+                }
                 Err(why) => {
                     report.info("ifc-space", self.b.place(p), format!("{why}; the space is left out"))
                 }

@@ -244,7 +244,17 @@ fn only_what_is_shown_once_is_edited_by_itself() {
             vec![("ARC B1".into(), Editable::Free)],
             vec![],
         ),
-        ("on a frozen layer", one, insert("A").replace("|8|W|", "|8|ICE|"), by_insert(whole(false)), vec![]),
+        (
+            "on a frozen layer",
+            one,
+            insert("A").replace("|8|W|", "|8|ICE|"),
+            by_insert(whole(false)),
+            vec![
+                "dxf-hidden plan.dxf: the drawing hides what may be walls: 1 in blocks on the hidden layer \"ICE\"; left out of \
+                 the plan; show it if it should be measured"
+                    .to_owned(),
+            ],
+        ),
         ("flat", one, insert("A") + "|41|1e5|42|1", by_insert(whole(false)), vec![]),
         ("far away", one, "0|INSERT|5|FA|8|W|2|A|10|9.1e10|20|0".into(), by_insert(whole(false)), vec![]),
     ];

@@ -264,6 +264,7 @@ fn found(scene: &Scene) -> Vec<(String, i64, usize)> {
 #[test]
 fn storeys_are_found_by_names_and_heights() {
     let walls = |list: &[(&str, f64, usize)]| Scene::of(list.iter().flat_map(|(n, z, c)| room(n, *z, *c)));
+    let shelves = (0..4).map(|i| wall("Cube", [f64::from(i), 9.0, 3.0], [0.4, 0.4, 2.1]));
     let tower = [wall("Wall tall", [9.0, 0.0, 0.0], [1.0, 0.2, 5.8])];
     let parapets = (0..4).map(|i| wall("Wall", [0.0, f64::from(i), 3.0], [6.0, 0.2, 0.9]));
     for (scene, expected) in [
@@ -300,7 +301,13 @@ fn storeys_are_found_by_names_and_heights() {
         (walls(&[("Wall", 0.0, 4), ("Wall up", 3.0, 3)]), vec![("floor 1", 0, 4), ("floor 2", 300, 3)]),
         (walls(&[("Wall", 0.0, 4), ("Wall up", 1.9, 3)]), vec![]),
         (walls(&[("Wall", 0.0, 4), ("Wall up", 3.0, 2)]), vec![]),
-        (walls(&[("Cube", 0.0, 4), ("Cube up", 3.0, 4)]), vec![]),
+        (walls(&[("Cube", 0.0, 4), ("Cube up", 3.0, 4)]), vec![("floor 1", 0, 4), ("floor 2", 300, 4)]),
+        (walls(&[("Cube", 0.0, 4), ("Cube up", 3.0, 2)]), vec![]),
+        (
+            walls(&[("Cube", 0.0, 5), ("Cube up", 3.1, 4), ("Cube top", 6.2, 3)]),
+            vec![("floor 1", 0, 5), ("floor 2", 310, 4), ("floor 3", 620, 3)],
+        ),
+        (Scene::of(room("Cube", 0.0, 4).into_iter().chain(shelves)), vec![]),
         (Scene::of(room("Wall", 0.0, 4).into_iter().chain(parapets)), vec![]),
         (
             Scene::of(room("Wall", 0.0, 3).into_iter().chain(room("Wall", 3.0, 3)).chain(tower)),

@@ -18,8 +18,8 @@ use enfilade_cad::own_layers;
 use enfilade_cad::roles::Role;
 use enfilade_engine::Region;
 use enfilade_overlay::reading::{
-    AreaReading, EntityReading, Headline, OpeningReading, Reading, RoomReading, SureReading, UnitReading, UnitRival,
-    ViewReading, WallReading,
+    AreaReading, EntityReading, Headline, OpeningReading, Reading, RoomReading, SureReading, UnitReading,
+    UnitRival, ViewReading, WallReading,
 };
 use enfilade_overlay::result::ElementRef;
 use enfilade_plan::Plan;

@@ -66,6 +66,18 @@ impl Reader<'_, '_, '_> {
             .is_some_and(|[low, high]| low <= self.floor + near && high >= self.floor - near)
     }
 
+    /// Says of a space that lies outside the building by its own word that it is not measured.
+    pub(super) fn state_external(&self, space: &Product, region: &Region, report: &mut Report) {
+        if region.extent().is_none() || !self.is_external(space) {
+            return;
+        }
+        let name = self.b.space_names(space).names.join(" ");
+        let text = format!(
+            "space {name:?} is EXTERNAL, in the open air; the ground on it is not measured; --inside X,Y takes it in"
+        );
+        report.info("ifc-outdoors", self.b.place(space), text);
+    }
+
     /// Whether a space lies outside the building by its own word.
     pub(super) fn is_external(&self, space: &Product) -> bool {
         const KIND: usize = 9;

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::{Product, Reader};
-use enfilade_report::{Place, Report};
+use enfilade_report::{Place, Report, counted};
 
 /// Walls that keep their length, or cannot be read and stand in other storeys, and are told one by one.
 const TOLD: usize = 4;
@@ -65,8 +65,28 @@ impl Reader<'_, '_, '_> {
             );
             report.info("ifc-not-cut", place.clone(), text);
         }
+        self.state_temporary(&place, report);
         self.state_elsewhere(&place, report);
         self.state_stiff(place, report);
+    }
+
+    /// Lists what is left out because it stands only while the works last.
+    fn state_temporary(&self, place: &Place, report: &mut Report) {
+        let name = |id: &u64| {
+            let name = self.b.model.product(*id).map_or("", |p| p.name.trim());
+            if name.is_empty() { format!("#{id}") } else { format!("#{id} {name:?}") }
+        };
+        let told: Vec<String> = self.temporary.iter().take(TOLD).map(name).collect();
+        if told.is_empty() {
+            return;
+        }
+        let more = if self.temporary.len() > TOLD { ", …" } else { "" };
+        let count = counted(self.temporary.len() as u64, "element");
+        let text = format!(
+            "{count} with the Status TEMPORARY left out: {}{more}; another Status takes them in",
+            told.join(", ")
+        );
+        report.info("ifc-temporary", place.clone(), text);
     }
 
     fn state_elsewhere(&self, place: &Place, report: &mut Report) {
