@@ -19,6 +19,7 @@ pub(crate) mod reach;
 pub(crate) mod regions;
 pub(crate) mod rooms;
 pub(crate) mod sensed;
+pub(crate) mod senses;
 pub(crate) mod sureness;
 pub(crate) mod understood;
 

@@ -178,15 +178,16 @@ def test_a_named_file_that_does_not_fit_hides_no_other(doc, tmp_path, recent):
     assert behind(doc)[1].match.file.path == path
 
 
-def test_a_plan_drawn_here_needs_no_file(doc):
+def test_a_plan_drawn_here_needs_no_file(doc, recent):
     import Draft
 
     for x in (0, 4000):
         Draft.make_line(V(x, 0, 0), V(x, 3000, 0))
     doc.recompute()
+    recent()
     found = behind(doc)[1]
     assert found.match is None and not found.is_warning
-    assert found.words == "No DXF file is behind these shapes: they are read as drawn here."
+    assert found.words == "No DXF file is known for these shapes: they are read as drawn here."
 
 
 def test_the_file_is_remembered_in_the_document(doc, tmp_path, recent):

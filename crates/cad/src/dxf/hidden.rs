@@ -1,9 +1,9 @@
 //! What a CAD program does not show, apart from layers that are off or frozen: left out, and listed.
 
-use std::collections::BTreeMap;
+use std::collections::HashSet;
 
 use super::fields::Fields;
-use super::reader::Reader;
+use super::reader::{Reader, Unseen};
 use crate::drawing::Entity;
 use crate::roles::{Role, role_by_name};
 use enfilade_report::Severity;
@@ -14,15 +14,6 @@ const DRAWN: [&[u8]; 9] =
 
 /// Layers that are listed, at most.
 const LISTED: usize = 8;
-
-/// What is hidden, by what hides it and by layer.
-#[derive(Default)]
-pub(super) struct Unseen {
-    /// Invisible themselves (group 60).
-    invisible: BTreeMap<u32, usize>,
-    /// In blocks whose INSERTs stand on a hidden layer.
-    in_blocks: BTreeMap<u32, usize>,
-}
 
 impl Reader<'_, '_> {
     /// Counts a record that is invisible (group 60) and may be a wall. In blocks the states of dynamic ones are hidden so
@@ -45,9 +36,12 @@ impl Reader<'_, '_> {
 
     /// Lists what is hidden and may be a wall; `entities`: all of model space.
     pub(super) fn note_hidden(&mut self, entities: &[Entity]) {
-        for e in entities.iter().filter(|e| !e.origin.inserts.is_empty()) {
-            let Some(layer) = self.hiding(e) else { continue };
-            *self.unseen.in_blocks.entry(layer).or_default() += 1;
+        let mut counted = HashSet::new();
+        for e in entities.iter().filter(|e| e.blocks.iter().all(|b| may_be_wall(b))) {
+            let (Some(insert), Some(layer)) = (e.origin.inserts.first(), self.hiding(e)) else { continue };
+            if counted.insert((*insert, layer)) {
+                *self.unseen.in_blocks.entry(layer).or_default() += 1;
+            }
         }
         let Unseen { invisible, in_blocks } = std::mem::take(&mut self.unseen);
         let of =

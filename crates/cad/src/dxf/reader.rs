@@ -6,7 +6,6 @@ use glam::{DVec2, DVec3};
 
 use super::fields::{Fields, handle_of};
 use super::header::{Header, is_sane};
-use super::hidden::Unseen;
 use super::limits::Limits;
 use super::text::CodePage;
 use super::tokens::{Pair, Tokens, shown};
@@ -49,6 +48,15 @@ pub(super) struct Reader<'a, 'r> {
     pub records: Vec<Record>,
     report: &'r mut Report,
     note_counts: BTreeMap<&'static str, usize>,
+}
+
+/// What is hidden, by what hides it and by layer.
+#[derive(Default)]
+pub(super) struct Unseen {
+    /// Invisible themselves (group 60).
+    pub invisible: BTreeMap<u32, usize>,
+    /// In blocks whose INSERTs stand on a hidden layer.
+    pub in_blocks: BTreeMap<u32, usize>,
 }
 
 /// What draws lines with gaps, in capitals.

@@ -5,7 +5,6 @@ use std::collections::HashSet;
 use glam::DVec2;
 
 use super::heights::Heights;
-use super::uncut::leave_out;
 use crate::curve::control_points;
 use crate::drawing::{Drawing, Entity, Shape, Text, Unit};
 use crate::own_layers::{is_marker, is_own};
@@ -249,4 +248,10 @@ fn floor<'d>(walls: &[(f64, &'d Entity)]) -> Option<Floor<'d>> {
 /// How long a shape is from corner to corner, drawing units.
 pub(super) fn length(e: &Entity) -> f64 {
     control_points(&e.shape).windows(2).map(|w| w[0].distance(w[1])).sum()
+}
+
+/// Leaves those of some places out of a list.
+pub(super) fn leave_out<T>(list: &mut Vec<T>, gone: &HashSet<usize>) {
+    let mut next = 0..;
+    list.retain(|_| next.next().is_none_or(|i| !gone.contains(&i)));
 }

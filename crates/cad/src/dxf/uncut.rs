@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, HashSet};
 
 use super::heights::Heights;
-use super::storeys::{STOREY_M, Storeys, length, walls};
+use super::storeys::{STOREY_M, Storeys, leave_out, length, walls};
 use crate::curve::control_points;
 use crate::drawing::{Drawing, Entity, Unit};
 use crate::plane::box_of;
@@ -23,8 +23,8 @@ const SAME: f64 = 0.02;
 /// the storey. Higher up the heights mean something else.
 const RAISED_M: [f64; 2] = [4.0, 30.0];
 
-/// Flat walls lie at one height, apart from this share of their length.
-const RAISED_MAX: f64 = 0.2;
+/// Walls lie at one height, apart from this share of their length.
+const MISSED_MAX: f64 = 0.2;
 
 /// Flat walls at heights no farther apart, metres, lie at one.
 const FLAT_M: f64 = 0.01;
@@ -60,7 +60,7 @@ impl Uncut {
         }
         let (mut gone, mut out) = (HashSet::new(), Self::default());
         for (storey, walls) in of_storeys {
-            let missed = match walls.iter().any(|w| w.is_thick) {
+            let missed = match is_thick(&walls) {
                 true => missed(&walls, unit, above_m),
                 false => raised(&walls, unit),
             };
@@ -96,12 +96,6 @@ impl Uncut {
     }
 }
 
-/// Leaves those of some places out of a list.
-pub(super) fn leave_out<T>(list: &mut Vec<T>, gone: &HashSet<usize>) {
-    let mut next = 0..;
-    list.retain(|_| next.next().is_none_or(|i| !gone.contains(&i)));
-}
-
 /// Walls wholly below or above the cut, and whether they are above; none where thicknesses do not tell the height of a storey.
 fn missed<'w, 'd>(
     walls: &'w [Standing<'d>],
@@ -109,10 +103,6 @@ fn missed<'w, 'd>(
     above_m: f64,
 ) -> Vec<(&'w Standing<'d>, bool)> {
     let thick: Vec<&Standing<'_>> = walls.iter().filter(|w| w.is_thick).collect();
-    let total = |walls: &[&Standing<'_>]| walls.iter().map(|w| length(w.wall)).sum::<f64>();
-    if total(&thick) < THICK_MIN * total(&walls.iter().collect::<Vec<_>>()) {
-        return Vec::new();
-    }
     let near = SAME * thick.iter().map(|w| w.high - w.low).fold(0.0, f64::max);
     let common =
         |of: fn(&Standing<'_>) -> f64| commonest(thick.iter().map(|w| (of(w), length(w.wall))), near);
@@ -123,7 +113,20 @@ fn missed<'w, 'd>(
     }
     let cut = floor + above_m / unit.metres;
     let is_missed = |w: &&Standing<'_>| w.low > cut || w.is_thick && w.high < cut;
-    walls.iter().filter(is_missed).map(|w| (w, w.low > cut)).collect()
+    let missed: Vec<&Standing<'_>> = walls.iter().filter(is_missed).collect();
+    // More is a part of the building on a level of its own.
+    let is_little = total(missed.iter().copied()) <= MISSED_MAX * total(walls.iter());
+    missed.into_iter().filter(|_| is_little).map(|w| (w, w.low > cut)).collect()
+}
+
+fn total<'w, 'd: 'w>(walls: impl Iterator<Item = &'w Standing<'d>>) -> f64 {
+    walls.map(|w| length(w.wall)).sum()
+}
+
+/// Whether thicknesses tell how high these walls are.
+fn is_thick(walls: &[Standing<'_>]) -> bool {
+    total(walls.iter().filter(|w| w.is_thick)) >= THICK_MIN * total(walls.iter())
+        && walls.iter().any(|w| w.is_thick)
 }
 
 /// Flat walls that lie higher above the others than those reach, over their plan. Whether they join these is not asked: moves
@@ -137,7 +140,7 @@ fn raised<'w, 'd>(walls: &'w [Standing<'d>], unit: Option<Unit>) -> Vec<(&'w Sta
     let [own, all] =
         [&others, &walls.iter().collect()].map(|w| w.iter().map(|w| length(w.wall)).sum::<f64>());
     let extent = box_of(ground.iter().flat_map(|w| control_points(&w.wall.shape)));
-    let Some([lo, hi]) = extent.filter(|_| own <= RAISED_MAX * all) else { return Vec::new() };
+    let Some([lo, hi]) = extent.filter(|_| own <= MISSED_MAX * all) else { return Vec::new() };
     let is_high = |w: &&&Standing<'_>| {
         (RAISED_M[0] * metre..=RAISED_M[1] * metre).contains(&(w.low - floor))
             && control_points(&w.wall.shape).into_iter().all(|p| p.clamp(lo, hi) == p)

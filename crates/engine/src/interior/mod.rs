@@ -22,6 +22,9 @@ const MEASURED: Terms = Terms { hidden_min: 0.72, way: 0.25 };
 /// What may belong to the building: floor that is inside by these alone counts as left out.
 const MAY_BE: Terms = Terms { hidden_min: 0.6, way: 0.1 };
 
+/// Widest door, metres of a person: what parts floor outdoors from a room without walls is no wider.
+const DOOR_MAX_M: f64 = 1.3;
+
 /// The interior of a plan on a raster.
 #[derive(Clone, Debug)]
 pub struct Interior {
@@ -161,27 +164,44 @@ impl Interior {
         (self.counted_again(), open)
     }
 
-    /// The same without the floor round points that are called outdoors (drawing frame, micrometres), as far as the cheapest
-    /// cut reaches; not where one of `rooms` stands on that floor too. Besides the points without whose floor it is, by their
-    /// index.
+    /// The same without the floor round points that are called outdoors (drawing frame, micrometres), where walls, doors and
+    /// gaps of a door's width part it from all other floor; not where one of `rooms` stands on it too, nor where nothing else
+    /// is left. Besides the points without whose floor it is, by their index.
     #[must_use]
-    pub fn without_called(mut self, outdoors: &[PointUm], rooms: &[PointUm]) -> (Self, Vec<usize>) {
-        let is_inside = |p: &PointUm| self.contains(*p);
-        if !outdoors.iter().any(is_inside) {
+    pub fn without_called(
+        self,
+        outdoors: &[PointUm],
+        rooms: &[PointUm],
+        human_scale: f64,
+    ) -> (Self, Vec<usize>) {
+        if !outdoors.iter().any(|p| self.contains(*p)) {
             return (self, Vec::new());
         }
         let around = Around::new(&self);
         let taken: Vec<usize> = rooms.iter().filter_map(|p| around.raster.at(*p)).collect();
-        let mut left = Vec::new();
-        for (k, p) in outdoors.iter().enumerate().filter(|(_, p)| self.contains(**p)).collect::<Vec<_>>() {
-            let floor = around.floor(*p, false).filter(|f| !taken.iter().any(|room| f.contains(room)));
-            for i in floor.into_iter().flatten() {
-                (self.inside[i], self.outline[i]) = (false, false);
-                left.push(k);
+        let door = DOOR_MAX_M * human_scale * UM_PER_M / around.raster.pixel_um as f64;
+        let (mut out, mut left) = (self.clone(), Vec::new());
+        for (k, p) in outdoors.iter().enumerate().filter(|(_, p)| self.contains(**p)) {
+            let Some(floor) = around.floor(*p, false) else { continue };
+            if taken.iter().any(|room| floor.contains(room)) || out.border(&floor) as f64 > door {
+                continue;
             }
+            for i in floor {
+                (out.inside[i], out.outline[i]) = (false, false);
+            }
+            left.push(k);
         }
-        left.dedup();
-        (self.counted_again(), left)
+        let out = out.counted_again();
+        if out.has_room { (out, left) } else { (self, Vec::new()) }
+    }
+
+    /// How many pixels of other floor inside lie beside some.
+    fn border(&self, floor: &[usize]) -> usize {
+        let own: std::collections::HashSet<usize> = floor.iter().copied().collect();
+        let is_other = |i: &usize| self.inside[*i] && !self.raster.wall[*i] && !own.contains(i);
+        let rows = self.raster.rows;
+        let beside = floor.iter().flat_map(|i| [i.wrapping_sub(rows), i + rows, i.wrapping_sub(1), i + 1]);
+        beside.filter(|i| *i < self.inside.len()).filter(is_other).count()
     }
 
     /// The same, where parts of the drawn walls stop no sight: doors and windows that are drawn through.

@@ -1,5 +1,7 @@
 //! Where people are measured: regions of the settings, and what is said of the interior and of seeds.
 
+use std::collections::BTreeSet;
+
 use glam::DVec2;
 
 use crate::understand::understood::Understood;
@@ -56,26 +58,35 @@ pub(crate) fn without_called_outdoors(
         return interior;
     }
     let (mut names, mut outdoors, mut rooms) = (Vec::new(), Vec::new(), Vec::new());
-    let written = drawing.texts.iter().chain(&drawing.tags).filter(|t| !own_layers::is_own(&t.layer));
-    for (text, name) in written.filter_map(|t| Some((t, name_in(&t.text)?))) {
+    let is_hidden = |layer: &str| drawing.layers.iter().any(|l| l.name == layer && (l.is_off || l.is_frozen));
+    let written = drawing.texts.iter().chain(&drawing.tags);
+    let shown = written.filter(|t| !own_layers::is_own(&t.layer) && !is_hidden(&t.layer));
+    for (text, name) in shown.filter_map(|t| Some((t, name_in(&t.text)?))) {
         let at = plan.frame.um_from_file(text.at);
-        if is_outdoors(&name) {
+        if is_one_word(&name) && is_outdoors(&name) {
             names.push(name);
             outdoors.push(at);
         } else if kind_of_name(&name).is_some() {
             rooms.push(at);
         }
     }
-    let (interior, left) = interior.without_called(&outdoors, &rooms);
-    if !left.is_empty() {
-        let mut names: Vec<&str> = left.iter().map(|k| names[*k].as_str()).collect();
-        names.dedup();
-        names.truncate(CALLED_SAID);
-        let text =
-            format!("{}: outdoors by the name, and not measured; --inside X,Y takes it in", names.join(", "));
+    let (interior, left) = interior.without_called(&outdoors, &rooms, plan.human_scale);
+    let called: BTreeSet<&str> = left.iter().map(|k| names[*k].as_str()).collect();
+    if !called.is_empty() {
+        let more = if called.len() > CALLED_SAID { ", …" } else { "" };
+        let names: Vec<&str> = called.into_iter().take(CALLED_SAID).collect();
+        let text = format!(
+            "{}{more}: outdoors by the name, and not measured; --inside X,Y takes it in",
+            names.join(", ")
+        );
         report.info("outdoors-called", Place::file(&plan.file), text);
     }
     interior
+}
+
+/// Whether a name is one word, with a number perhaps: others speak of a door to the terrace, or of the view.
+fn is_one_word(name: &str) -> bool {
+    name.split_whitespace().filter(|word| word.chars().any(char::is_alphabetic)).count() == 1
 }
 
 /// The interior as the user corrects it; what a correction cannot do goes to the plan's findings and the report.

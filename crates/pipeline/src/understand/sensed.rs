@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use crate::understand::building;
+use crate::understand::senses::of_entity;
 use crate::understand::sureness::{self, Sureness};
 use crate::understand::understood::Understood;
 use enfilade_cad::drawing::{Drawing, Entity};
@@ -30,18 +31,6 @@ pub(crate) fn entities_of_walls(plan: &Plan, drawing: &Drawing) -> Vec<usize> {
         DrawnBy::Picked(k) => plan.picked.get(k).and_then(|k| foreign.get(*k)).copied().unwrap_or(usize::MAX),
     };
     plan.walls.iter().map(of).collect()
-}
-
-/// What nothing names and is taken as a wall for its looks.
-const UNNAMED_WALL: RoleSense = RoleSense { role: Role::Wall, confidence: 0.6 };
-
-/// The sense of an entity of a drawing; what draws a wall of the plan and is taken for nothing is a wall.
-pub(crate) fn of_entity(plan: &Plan, entity: usize, is_picked: bool) -> RoleSense {
-    match plan.reading.senses.get(entity) {
-        Some(sense) if sense.role != Role::Unknown || !is_picked => *sense,
-        None if !is_picked => RoleSense { role: Role::Unknown, confidence: 0.5 },
-        _ => UNNAMED_WALL,
-    }
 }
 
 /// An opening with what is known of it.
@@ -111,7 +100,7 @@ impl Sensed {
         };
         let is_floor_said = settled.floor;
         let sure_of_walls = base.sure_of_walls.filter(|_| !settled.walls);
-        let doubts = questions(plan, &base.axes, (&walls, sure_of_walls), floor.as_ref(), settled);
+        let doubts = questions(plan, &base.axes, &walls, floor.as_ref(), settled);
         let is_walled = walls.iter().any(|(sense, of)| sense.role != Role::Column && *of > 0.0);
         let is_open = base.interior.as_ref().is_some_and(|i| i.gap_m() >= WAY_IN_M * plan.human_scale);
         let rooms = floor.as_ref().filter(|_| !is_floor_said);
@@ -128,9 +117,9 @@ impl Sensed {
     }
 }
 
-/// How sure a room without a door or a passage is one. Of 14 drawings of strangers in which nobody enters any room 5 are
-/// plans, read rightly; the others are plots, gears, gardens, or have their doors missed.
-const SURE_OF_SHUT: f64 = 0.4;
+/// How sure a room without a door or a passage is one. In 10 of 19 drawings and buildings of strangers in which nobody enters
+/// any room, it is; the others are plots, gears, gardens, or have their doors missed.
+const SURE_OF_SHUT: f64 = 0.53;
 
 /// Somebody walks in through a gap of the outline that is at least so wide, metres of a person.
 const WAY_IN_M: f64 = 0.6;

@@ -6,7 +6,8 @@ use glam::DVec2;
 
 use crate::measure::spacing;
 use crate::understand::rooms::{self, Room};
-use crate::understand::sensed::{OpenGap, Sensed, length, of_entity, ways_into};
+use crate::understand::sensed::{OpenGap, Sensed, length, ways_into};
+use crate::understand::senses::of_entity;
 use crate::understand::sureness::Sureness;
 use crate::understand::understood::Understood;
 use crate::write::asked;

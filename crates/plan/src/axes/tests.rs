@@ -1,5 +1,6 @@
 //! What is understood of small plans. Whole plans in the styles of offices: `tests/understanding.rs`.
 
+use super::tolerances::CAVITY_MAX_M;
 use super::*;
 
 /// Lines of a wall each.
@@ -364,9 +365,9 @@ fn a_window_is_as_wide_as_its_glass() {
     assert_eq!(found([4.0, 0.1, 4.4, 0.14]), 0);
 }
 
-/// Two boxes that abut, the second so deep, and a door on the edge that they share: its swing at half its size. Whether the door
-/// leads through the far side of the second, and how wide it is.
-fn through_boxes(depth: f64) -> (bool, f64) {
+/// Two boxes so far apart, the second so deep, and a door on the edge of the first: its swing at half its size. Whether the
+/// door leads through the far side of the second, and how wide it is.
+fn through_boxes(apart: f64, depth: f64) -> (bool, f64) {
     let ring = |wall: u32, [low, high]: [f64; 2]| {
         let corners = [[0.0, low], [6.0, low], [6.0, high], [0.0, high]].map(DVec2::from);
         let side = move |part: usize| Face {
@@ -379,7 +380,7 @@ fn through_boxes(depth: f64) -> (bool, f64) {
         };
         (0..4).map(side)
     };
-    let faces = ring(0, [0.0, 0.15]).chain(ring(1, [0.15, 0.15 + depth])).collect();
+    let faces = ring(0, [0.0, 0.15]).chain(ring(1, [0.15 + apart, 0.15 + apart + depth])).collect();
     let hinge = DVec2::new(2.0, 0.15);
     let leaf = Path::Line { a: hinge, b: hinge + DVec2::X * 0.9 };
     let swing =
@@ -392,7 +393,10 @@ fn through_boxes(depth: f64) -> (bool, f64) {
 
 #[test]
 fn a_door_leads_through_a_wall_that_abuts_and_through_no_block() {
-    let (is_through, width_m) = through_boxes(0.15);
+    let (is_through, width_m) = through_boxes(0.0, 0.15);
     assert!(is_through && (width_m - 0.9).abs() < 1e-6, "{width_m}");
-    assert!(!through_boxes(0.7).0);
+    assert!(!through_boxes(0.0, 0.7).0);
+    // The two leaves of a wall.
+    assert!(through_boxes(CAVITY_MAX_M - 0.01, 0.1).0);
+    assert!(!through_boxes(CAVITY_MAX_M + 0.01, 0.1).0);
 }

@@ -36,19 +36,19 @@ pub fn name_of_rooms(rooms: &[Area], texts: &[Text], frame: &Frame) -> Vec<Optio
             abbreviated.entry((&text.layer, room)).or_default().push((far, name));
         }
     }
-    for ((layer, room), mut names) in abbreviated {
-        let (Some(named), 1) = (layers.get_mut(layer), names.len()) else { continue };
-        named.entry(room).or_insert_with(|| names.split_off(0));
-    }
     let claim = |named: &Named| {
         let surplus: usize = named.values().map(|texts| texts.len() - 1).sum();
         named.len() as f64 - SURPLUS * surplus as f64
     };
-    let mut layers: Vec<_> = layers.into_values().collect();
-    layers.sort_by(|a, b| claim(b).total_cmp(&claim(a)));
+    let mut layers: Vec<(&str, Named)> = layers.into_iter().collect();
+    layers.sort_by(|a, b| claim(&b.1).total_cmp(&claim(&a.1)));
+    if let Some((layer, named)) = layers.first_mut() {
+        let of_layer = abbreviated.into_iter().filter(|((of, _), names)| of == layer && names.len() == 1);
+        of_layer.for_each(|((_, room), names)| drop(named.entry(room).or_insert(names)));
+    }
     let nearest =
         |texts: &Vec<(f64, String)>| texts.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|t| t.1.clone());
-    (0..rooms.len()).map(|room| layers.iter().find_map(|named| nearest(named.get(&room)?))).collect()
+    (0..rooms.len()).map(|room| layers.iter().find_map(|(_, named)| nearest(named.get(&room)?))).collect()
 }
 
 /// Everything that is written in each room, marks of ours left out.
@@ -78,10 +78,14 @@ fn short_name_in(text: &str) -> Option<String> {
     lines.next_back().map(str::to_owned)
 }
 
+/// What is written on stairs, at levels and at axes, in two letters.
+const MARKS: [&str; 6] = ["UP", "DN", "FL", "EL", "CL", "TY"];
+
 /// A text that is two letters and no more.
 fn abbreviation_in(text: &str) -> Option<String> {
     let text = text.trim();
-    (text.chars().count() == 2 && text.chars().all(char::is_alphabetic)).then(|| text.to_owned())
+    let is_short = text.chars().count() == 2 && text.chars().all(char::is_alphabetic);
+    (is_short && !MARKS.contains(&text.to_uppercase().as_str())).then(|| text.to_owned())
 }
 
 /// Longest line that is looked up among the words for rooms, letters.

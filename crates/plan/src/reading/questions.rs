@@ -144,18 +144,17 @@ pub struct Settled {
 
 /// The one or two questions that decide most, least certain first; none where the reading is sure enough.
 ///
-/// `walls`: the sense of every wall of the plan, with the length it draws; and how sure they are in all, beside what else
-/// lies on their layers.
+/// `walls`: the sense of every wall of the plan, with the length it draws.
 pub fn questions(
     plan: &Plan,
     axes: &AxisGraph,
-    (walls, sure_of_walls): (&[(RoleSense, f64)], Option<f64>),
+    walls: &[(RoleSense, f64)],
     floor: Option<&Floor>,
     settled: Settled,
 ) -> Vec<Doubt> {
     let unit = (!settled.unit).then(|| unit(plan, axes)).flatten();
     let view = (!settled.view).then(|| view(plan)).flatten();
-    let walls = (!settled.walls).then(|| doubtful_walls(plan, walls, sure_of_walls)).flatten();
+    let walls = (!settled.walls).then(|| doubtful_walls(plan, walls)).flatten();
     let floor = (!settled.floor).then(|| left_out(plan, floor?)).flatten();
     // How far below its threshold each is.
     let mut found: Vec<(f64, Doubt)> =
@@ -255,11 +254,10 @@ fn view(plan: &Plan) -> Option<Doubt> {
 }
 
 /// The layer with most length in doubt, where the walls are unsure on the whole.
-fn doubtful_walls(plan: &Plan, walls: &[(RoleSense, f64)], in_all: Option<f64>) -> Option<Doubt> {
+fn doubtful_walls(plan: &Plan, walls: &[(RoleSense, f64)]) -> Option<Doubt> {
     let length: f64 = walls.iter().map(|w| w.1).sum();
     let sure: f64 = walls.iter().map(|(s, length)| f64::from(s.confidence) * length).sum();
-    let sure = (sure / length).min(in_all.unwrap_or(1.0));
-    if length <= 0.0 || sure >= WALLS_SURE {
+    if length <= 0.0 || sure / length >= WALLS_SURE {
         return None;
     }
     let mut layers: BTreeMap<&str, (f64, usize)> = BTreeMap::new();
@@ -269,7 +267,7 @@ fn doubtful_walls(plan: &Plan, walls: &[(RoleSense, f64)], in_all: Option<f64>) 
     }
     let (layer, (_, count)) = layers.into_iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
     let question = Question::Walls { layer: layer.to_owned(), count };
-    Some(Doubt { confidence: sure, question })
+    Some(Doubt { confidence: sure / length, question })
 }
 
 fn left_out(plan: &Plan, floor: &Floor) -> Option<Doubt> {
@@ -306,7 +304,7 @@ mod tests {
     fn asked(plan: &Plan, walls: [f32; 4], floor: Option<&Floor>, settled: Settled) -> Vec<Doubt> {
         let walls = walls.map(|confidence| (RoleSense { role: Role::Wall, confidence }, 10.0));
         let axes = AxisGraph { thicknesses: vec![(0.2, 20.0)], ..AxisGraph::default() };
-        questions(plan, &axes, (&walls, None), floor, settled)
+        questions(plan, &axes, &walls, floor, settled)
     }
 
     #[test]

@@ -247,11 +247,10 @@ fn walls(clues: &Clues, metres: f64) -> f64 {
         let beyond = g.beyond.iter().map(|d| fit(bells, d * metres) - 0.5);
         beyond.fold(fit(bells, g.nearest * metres), f64::max)
     };
-    let all = |bells: &[Bell]| {
-        pooled(clues.gaps.iter().map(|g| (of(bells, g), g.length)), clues.gaps.len() as f64 / 4.0)
-    };
-    // A plan is drawn one way or the other.
-    (all(&GAP) + (1.0 - SINGLE_SHARE).ln()).max(all(&ROOM) + SINGLE_SHARE.ln())
+    let all = |bells: &[Bell], count: f64| pooled(clues.gaps.iter().map(|g| (of(bells, g), g.length)), count);
+    let thick = all(&GAP, clues.gaps.len() as f64 / 4.0) + (1.0 - SINGLE_SHARE).ln();
+    // A plan is drawn one way or the other. Rooms of one building are as wide as each other: they speak once.
+    thick.max(all(&ROOM, 1.0) + SINGLE_SHARE.ln())
 }
 
 /// How much likelier doors are in it than something else as large, a logarithm.

@@ -57,12 +57,13 @@ class Sources:
         if known:
             match = self._look(doc, known, drawn)
             return _found(match) if match is not None and match.fits else Source(None, _lost(known, match), True)
-        for paths in candidates(doc):
+        tiers = candidates(doc)
+        for paths in tiers:
             fits = [m for m in (self._look(doc, path, drawn) for path in paths) if m is not None and m.fits]
             if fits:
                 return _found(max(fits, key=lambda m: m.shapes_share))
-        if is_drawn_here(doc):
-            return Source(None, say("No DXF file is behind these shapes: they are read as drawn here."))
+        if not any(tiers) and knows_its_lines(doc):
+            return Source(None, say("No DXF file is known for these shapes: they are read as drawn here."))
         return Source(None, say("No DXF file fits these shapes. Layers and unit are unknown."), True)
 
     def choose(self, doc, path: str, drawn: List[Drawn]) -> Source:
@@ -144,8 +145,8 @@ def _misfit(path: str, match: Match) -> str:
     return say("{} does not fit these shapes: only {} % are alike. It is not used.", os.path.basename(path), share)
 
 
-def is_drawn_here(doc) -> bool:
-    """Whether all lines of a document know how they were made, as what an import makes does not."""
+def knows_its_lines(doc) -> bool:
+    """Whether no line of a document is a bare shape, as an import leaves unless Draft objects are asked for."""
     return all(o.TypeId != "Part::Feature" for o in plan2d.lines(doc))
 
 

@@ -197,7 +197,7 @@ GERMAN = {
     "The program cannot be started.": "Das Programm lässt sich nicht starten.",
     "{} is a drawing of a job, which is written anew. Choose your own.": "{} gehört zu einem Auftrag und wird neu geschrieben. Wählen Sie Ihre eigene Datei.",
     "1 shape is new or edited.": "1 Form ist neu oder bearbeitet.",
-    "No DXF file is behind these shapes: they are read as drawn here.": "Hinter diesen Formen steht keine DXF-Datei: Sie werden gelesen, wie sie hier gezeichnet sind.",
+    "No DXF file is known for these shapes: they are read as drawn here.": "Zu diesen Formen ist keine DXF-Datei bekannt: Sie werden gelesen, wie sie hier gezeichnet sind.",
     "No DXF file fits these shapes. Layers and unit are unknown.": "Keine DXF-Datei passt zu diesen Formen. Layer und Einheit sind unbekannt.",
     "{} is not there.": "{} ist nicht da.",
     "{} cannot be read any more. Layers and unit are unknown.": "{} ist nicht mehr lesbar. Layer und Einheit sind unbekannt.",
