@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::understand::senses::of_entity;
 use enfilade_cad::drawing::{Drawing, Format};
 use enfilade_cad::own_layers;
-use enfilade_cad::roles::{Role, role_by_name};
+use enfilade_cad::roles::Role;
 use enfilade_plan::Plan;
 
 /// What is less sure than this on a layer of walls is doubtful.
@@ -87,10 +87,7 @@ fn things<'a>(plan: &Plan, drawing: &'a Drawing) -> Vec<Thing<'a>> {
         let thing =
             out.entry(e.origin.record).or_insert(Thing { layer: &e.layer, is_wall, sure: [0.0, 0.0] });
         thing.is_wall |= is_wall;
-        // A wall on a layer of that name is one, whatever it looks like.
-        let is_named = is_wall && matches!(role_by_name(&e.layer).0, Role::Wall | Role::Column);
-        let sure = if is_named { 1.0 } else { f64::from(sense.confidence) };
-        thing.sure = [thing.sure[0] + sure, thing.sure[1] + 1.0];
+        thing.sure = [thing.sure[0] + f64::from(sense.confidence), thing.sure[1] + 1.0];
     }
     out.into_values().collect()
 }

@@ -44,7 +44,9 @@ pub fn name_of_rooms(rooms: &[Area], texts: &[Text], frame: &Frame) -> Vec<Optio
     layers.sort_by(|a, b| claim(&b.1).total_cmp(&claim(&a.1)));
     if let Some((layer, named)) = layers.first_mut() {
         let of_layer = abbreviated.into_iter().filter(|((of, _), names)| of == layer && names.len() == 1);
-        of_layer.for_each(|((_, room), names)| drop(named.entry(room).or_insert(names)));
+        for ((_, room), names) in of_layer {
+            named.entry(room).or_insert(names);
+        }
     }
     let nearest =
         |texts: &Vec<(f64, String)>| texts.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|t| t.1.clone());
