@@ -144,9 +144,10 @@ proptest! {
         }
     }
 
-    /// A vertex that did not move keeps its values to the byte.
+    /// A vertex that did not move keeps its values to the byte. In a block shown a million times as large, less than a unit is
+    /// less than the digits that are written.
     #[test]
-    fn one_vertex_moves_alone(links in proptest::collection::vec(link(), 1..4), by in 0.001..900.0f64) {
+    fn one_vertex_moves_alone(links in proptest::collection::vec(link(), 1..4), by in 1.0..900.0f64) {
         let bytes = chain(&links);
         let (before, _) = read_whole("plan.dxf", &bytes);
         let mut shape = before.entities[1].shape.clone();
