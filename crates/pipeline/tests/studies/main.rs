@@ -13,6 +13,7 @@ mod habits;
 mod ifc;
 mod ifc_marks;
 mod made;
+mod outlines;
 mod plan_hazards;
 mod reference;
 mod sheets;
