@@ -139,6 +139,8 @@ def test_03_an_imported_drawing(window):
         pytest.skip("the drawings of shared/data are not here")
     window.ask("imported", ROOMS)
     window.wait_for("panel", lambda p: p["document"] == "Imported", 100)
+    # Once it is read the row with its question is there, and nothing jumps away from the mouse.
+    window.wait_for("read", lambda words: words.startswith("Read in"), 100)
     mark_lines(window, ["Shape047", "Shape051"], "x")
     panel = run_study(window, 200, 1)
     assert panel["status"].startswith("Done: ") and panel["options"] >= 1, panel
