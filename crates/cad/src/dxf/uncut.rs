@@ -137,8 +137,7 @@ fn raised<'w, 'd>(walls: &'w [Standing<'d>], unit: Option<Unit>) -> Vec<(&'w Sta
     let floor = commonest(walls.iter().map(|w| (w.low, length(w.wall))), near);
     let (ground, others): (Vec<&Standing<'_>>, Vec<&Standing<'_>>) =
         walls.iter().partition(|w| w.low >= floor - near && w.high <= floor + near);
-    let [own, all] =
-        [&others, &walls.iter().collect()].map(|w| w.iter().map(|w| length(w.wall)).sum::<f64>());
+    let [own, all] = [total(others.iter().copied()), total(walls.iter())];
     let extent = box_of(ground.iter().flat_map(|w| control_points(&w.wall.shape)));
     let Some([lo, hi]) = extent.filter(|_| own <= MISSED_MAX * all) else { return Vec::new() };
     let is_high = |w: &&&Standing<'_>| {

@@ -143,7 +143,7 @@ fn constant_attributes_are_texts() {
     }
 }
 
-/// Solids are told where they stand in a block too.
+/// Solids are named in a block too.
 #[test]
 fn solids_in_blocks_are_named() {
     let solids = block("S", "|0|3DSOLID|8|WALL|70|1|0|BODY|8|WALL|70|1|0|REGION|8|WALL|70|1");

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::understand::building;
 use crate::understand::senses::of_entity;
-use crate::understand::sureness::{self, Sureness};
+use crate::understand::sureness::{SURE_WITHOUT_WALLS, Sureness};
 use crate::understand::understood::Understood;
 use enfilade_cad::drawing::{Drawing, Entity};
 use enfilade_cad::own_layers;
@@ -109,7 +109,7 @@ impl Sensed {
         let sure = Sureness {
             unit: plan.reading.unit.confidence,
             view: views.reduce(f64::min),
-            walls: if is_walled { sure_of_walls } else { Some(sureness::without_walls()) },
+            walls: if is_walled { sure_of_walls } else { Some(SURE_WITHOUT_WALLS) },
             rooms,
             whole: base.sure_of_whole,
         };

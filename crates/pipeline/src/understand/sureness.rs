@@ -19,8 +19,8 @@ const LAYER_SHARE: f64 = 0.1;
 /// sure as it says").
 const RIGHT: [f64; 2] = [2.36, -4.04];
 
-/// How sure a plan without walls is one, with columns alone.
-const SURE_WITHOUT_WALLS: f64 = 0.4;
+/// How sure a plan of columns alone is one. Like [`SURE_IN_PART`] it has a reason and no fit.
+pub(crate) const SURE_WITHOUT_WALLS: f64 = 0.4;
 
 /// How sure a plan is all there of which a part lies in a file that was not opened: what it holds nobody knows.
 const SURE_IN_PART: f64 = 0.6;
@@ -58,11 +58,6 @@ pub(crate) fn of_walls(plan: &Plan, drawing: &Drawing) -> Option<f64> {
 /// How sure it is that all of a drawing is there.
 pub(crate) fn of_whole(drawing: &Drawing) -> Option<f64> {
     (drawing.unbound > 0).then_some(SURE_IN_PART)
-}
-
-/// How sure walls are of which there are none.
-pub(crate) fn without_walls() -> f64 {
-    SURE_WITHOUT_WALLS
 }
 
 fn right(doubtful: f64) -> f64 {
