@@ -2,7 +2,7 @@
 
 use super::names::{Pattern, base_name, class_name};
 use super::own_layers::is_own;
-use super::roles::{Role, role_by_name};
+use super::roles::role_by_name;
 use enfilade_report::{Error, Place};
 
 /// Decides by name which layers carry walls.
@@ -61,7 +61,7 @@ impl WallLayers {
             return hit.map(|(glob, _)| format!("matches --wall-layer {glob}")).or_else(own);
         }
         let (role, why) = role_by_name(layer);
-        matches!(role, Role::Wall | Role::Column).then_some(why)
+        role.stops_sight().then_some(why)
     }
 }
 

@@ -87,6 +87,11 @@ impl Role {
         }
     }
 
+    /// Whether it stops a look at eye level: what is measured as a wall.
+    pub fn stops_sight(self) -> bool {
+        matches!(self, Self::Wall | Self::Column)
+    }
+
     /// Whether it stops a person but not a look at eye level.
     pub fn is_low(self) -> bool {
         matches!(self, Self::LowWall | Self::Glazing)

@@ -133,7 +133,7 @@ pub(super) fn take_read(drawing: &Drawing, options: &PlanOptions, reading: &Read
     let is_wall = |i: &usize| {
         let e = &drawing.entities[*i];
         let stops = match reading.role(*i) {
-            Role::Wall | Role::Column => true,
+            role if role.stops_sight() => true,
             Role::LowWall => options.is_knee_level,
             _ => false,
         };

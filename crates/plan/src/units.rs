@@ -119,14 +119,16 @@ pub fn choose(drawing: &Drawing, user: Option<Unit>, walls: &[&Entity]) -> (Unit
     (UnitChoice { unit: likeliest, reason, is_assumed: true }, sense(&weighed))
 }
 
-/// The scale at which a plan that is drawn as large as its paper is printed, where doors speak: the one that makes
-/// their leaves as wide as usual, if doors, walls and size are then those of a building.
+/// The scale at which a plan that is drawn as large as its paper is printed: one that is written, else that which makes the
+/// leaves of its doors as wide as usual; if doors, walls and size are then those of a building.
 fn printed_at(seen: &Clues, unit: Unit) -> Option<f64> {
     let leaves = seen.leaves();
-    let leaf_m = leaves.get(leaves.len() / 2)? * unit.metres;
-    let off = |scale: &f64| (leaf_m * scale / USUAL_LEAF_M).ln().abs();
-    let scale = scales(unit).into_iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
-    unit::is_building(seen, unit.metres * scale).then_some(scale)
+    let leaf_m = leaves.get(leaves.len() / 2).map(|l| l * unit.metres);
+    let off = |scale: &f64| leaf_m.map_or(0.0, |leaf_m| (leaf_m * scale / USUAL_LEAF_M).ln().abs());
+    let is_building = |scale: &f64| unit::is_building(seen, unit.metres * scale);
+    let nearest = |all: &[f64]| all.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));
+    let said = nearest(&seen.scales).filter(is_building);
+    said.or_else(|| nearest(&scales(unit)).filter(is_building).filter(|_| leaf_m.is_some()))
 }
 
 /// What a unit makes of what is drawn, in plain words.
@@ -174,6 +176,11 @@ mod tests {
             };
             assert_eq!(printed_at(&seen, unit(name)), Some(scale), "{scale} {name}");
             seen.swings.clear();
+            assert_eq!(printed_at(&seen, unit(name)), None);
+            // What is written decides, where it makes a building.
+            seen.scales = vec![scale * 1.2];
+            assert_eq!(printed_at(&seen, unit(name)), Some(scale * 1.2));
+            seen.scales = vec![scale * 30.0];
             assert_eq!(printed_at(&seen, unit(name)), None);
         }
     }

@@ -88,5 +88,5 @@ fn may_be_wall(layer: &str) -> bool {
 }
 
 fn is_wall(role: Role) -> bool {
-    matches!(role, Role::Wall | Role::Column | Role::LowWall)
+    role.stops_sight() || role == Role::LowWall
 }

@@ -170,7 +170,7 @@ pub(super) fn walls(drawing: &Drawing) -> Vec<usize> {
         let is_on = |i: &usize| named.contains(drawing.entities[*i].layer.as_str());
         (0..drawing.entities.len()).filter(is_on).collect()
     };
-    let by_name = on(|role| matches!(role, Role::Wall | Role::Column));
+    let by_name = on(Role::stops_sight);
     if by_name.is_empty() { on(|role| role == Role::Unknown) } else { by_name }
 }
 

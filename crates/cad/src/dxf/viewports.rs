@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::fields::{Fields, handle_of, own_pairs};
 use super::reader::Reader;
 use crate::own_layers::is_own;
-use crate::roles::{Role, role_by_name};
+use crate::roles::role_by_name;
 
 /// Bit of group 90 of a viewport that is off.
 const OFF: i64 = 0x2_0000;
@@ -103,8 +103,7 @@ impl Reader<'_, '_> {
             used.into_iter().filter_map(|name| self.layers.of_name(&self.page.decode(name).to_uppercase()));
         let is_wall = |layer: &u32| {
             let layer = &self.layers.list[*layer as usize];
-            let role = role_by_name(&layer.name).0;
-            !layer.is_off && !layer.is_frozen && matches!(role, Role::Wall | Role::Column)
+            !layer.is_off && !layer.is_frozen && role_by_name(&layer.name).0.stops_sight()
         };
         all.filter(is_wall).collect()
     }

@@ -5,7 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::understand::senses::of_entity;
 use enfilade_cad::drawing::{Drawing, Format};
 use enfilade_cad::own_layers;
-use enfilade_cad::roles::Role;
 use enfilade_plan::Plan;
 
 /// What is less sure than this on a layer of walls is doubtful.
@@ -78,7 +77,7 @@ fn things<'a>(plan: &Plan, drawing: &'a Drawing) -> Vec<Thing<'a>> {
     for (ordinal, (i, e)) in foreign.enumerate() {
         let is_picked = plan.picked.binary_search(&ordinal).is_ok();
         let sense = of_entity(plan, i, is_picked);
-        let is_wall = is_picked || matches!(sense.role, Role::Wall | Role::Column);
+        let is_wall = is_picked || sense.role.stops_sight();
         let thing =
             out.entry(e.origin.record).or_insert(Thing { layer: &e.layer, is_wall, sure: [0.0, 0.0] });
         thing.is_wall |= is_wall;

@@ -26,11 +26,12 @@ use enfilade_overlay::picture::{
 use enfilade_overlay::result::{
     self, Change, Counts, ElementRef, Input, LayerEntry, MoveEntry, MoveKind, Numbers, RegionEntry, UnitEntry,
 };
-use enfilade_plan::axes::{OpeningKind, THICKNESSES};
+use enfilade_plan::axes::{Opening, OpeningKind, THICKNESSES};
 use enfilade_plan::curve::Trace;
 use enfilade_plan::floor::Area;
 use enfilade_plan::kinds::RoomKind;
 use enfilade_plan::markers::Kind;
+use enfilade_plan::structure::{face_handles, handle_at};
 use enfilade_plan::{Plan, Wall};
 use enfilade_report::{Report, counted};
 
@@ -196,7 +197,15 @@ pub(crate) fn check_picture(base: &Understood, sensed: &Sensed, rooms: &[Room]) 
             OpeningKind::Window => StrokeKind::Window,
         };
         let points = opening.jambs.map(|j| (j.at * scale).to_array()).to_vec();
-        out.strokes.push(Stroke { points, closed: false, filled: false, kind });
+        out.strokes.push(match uncut_ground(&base.plan, opening) {
+            Some(ring) => Stroke {
+                points: ring.map(|p| (p * scale).to_array()).to_vec(),
+                closed: true,
+                filled: true,
+                kind,
+            },
+            None => Stroke { points, closed: false, filled: false, kind },
+        });
     }
     let kind = |is_glass: bool| if is_glass { StrokeKind::Window } else { StrokeKind::Ignored };
     let left_out = base.left_out.iter();
@@ -208,6 +217,19 @@ pub(crate) fn check_picture(base: &Understood, sensed: &Sensed, rooms: &[Room]) 
     out.strokes.extend(named);
     out.strokes.extend(doubtful);
     out
+}
+
+/// The ground of an opening in walls that are drawn through it, across all of their faces: it is looked through, so no wall
+/// is shown there. Metres of a person.
+fn uncut_ground(plan: &Plan, opening: &Opening) -> Option<[DVec2; 4]> {
+    let [a, b] = opening.jambs.map(|j| j.at);
+    let across = (b - a).try_normalize()?.perp();
+    let faces = opening.through.iter().flat_map(|f| face_handles(plan, *f)).map(|h| handle_at(plan, h));
+    let [lo, hi] = faces.map(|p| (p - a).dot(across)).fold(None, |range: Option<[f64; 2]>, at| {
+        let [lo, hi] = range.unwrap_or([at, at]);
+        Some([lo.min(at), hi.max(at)])
+    })?;
+    (hi > lo).then(|| [a + across * lo, b + across * lo, b + across * hi, a + across * hi])
 }
 
 /// Whether what closes an opening stands in a solid wall that the file does not cut there.

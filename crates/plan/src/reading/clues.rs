@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::lengths::{Length, area_m2, is_imperial, length};
+use super::lengths::{Length, area_m2, is_imperial, length, printed_scale};
 use super::scene::chord_arc;
 use crate::parallels::{Piece, parallels, pieces};
 use enfilade_cad::curve::{bulge_arc, sweep_rad};
@@ -101,6 +101,8 @@ pub struct Clues {
     pub letters: Option<f64>,
     /// How many texts state feet or inches.
     pub imperial: usize,
+    /// Scales that its texts say it is printed at, each once, ascending: metres for one on paper.
+    pub scales: Vec<f64>,
     /// Share of straight walls along the sheet's sides that are whole numbers long, where there are enough.
     pub whole_share: Option<f64>,
 }
@@ -135,6 +137,7 @@ impl Clues {
                 .chain(dimensions.iter().map(|d| d.text.as_str()))
                 .filter(|t| is_imperial(t))
                 .count(),
+            scales: printed_scales(drawing),
             whole_share: whole_share(&found),
             gaps,
         }
@@ -160,6 +163,13 @@ impl Clues {
         out.sort_by(f64::total_cmp);
         out
     }
+}
+
+fn printed_scales(drawing: &Drawing) -> Vec<f64> {
+    let mut out: Vec<f64> = drawing.texts.iter().filter_map(|t| printed_scale(&t.text)).collect();
+    out.sort_by(f64::total_cmp);
+    out.dedup();
+    out
 }
 
 fn middle(mut values: Vec<f64>) -> Option<f64> {

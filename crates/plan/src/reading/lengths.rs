@@ -83,6 +83,21 @@ pub fn is_imperial(text: &str) -> bool {
     marks.contains(['\'', '"']) && imperial(&marks).is_some()
 }
 
+/// Scales that a plan is printed at, as texts write them: `1:50` to `1:5000`.
+const SCALES: std::ops::RangeInclusive<f64> = 5.0..=5_000.0;
+
+/// How many metres a text says that one on paper stands for: `1:600`, `Scale 1 : 50`, `M=1:100`. The first that it names.
+pub fn printed_scale(text: &str) -> Option<f64> {
+    let of = |(at, _): (usize, &str)| {
+        let before = text[..at].trim_end().strip_suffix('1')?;
+        let is_one = !before.ends_with(|c: char| c.is_ascii_digit() || ".,:/".contains(c));
+        let (scale, decimals, rest) = number(text[at + 1..].trim_start())?;
+        let is_whole = decimals == 0 && !rest.starts_with([':', '.', ',']);
+        (is_one && is_whole && SCALES.contains(&scale)).then_some(scale)
+    };
+    text.match_indices(':').find_map(of)
+}
+
 /// Primes as ASCII marks, commas between digits as points.
 fn marks(text: &str) -> String {
     let plain = text.replace(['’', '′', '´'], "'").replace(['”', '″', '“'], "\"").replace("''", "\"");
@@ -190,6 +205,25 @@ mod tests {
             assert_eq!(length(text), expected, "{text}");
         }
         assert!(is_imperial("3'-1\"") && !is_imperial("don't") && !is_imperial("3.5"));
+    }
+
+    #[test]
+    fn scales_are_read_as_they_are_written() {
+        for (text, expected) in [
+            ("1:600", Some(600.0)),
+            ("Ground floor, scale 1 : 50", Some(50.0)),
+            ("M=1:100 (A3)", Some(100.0)),
+            ("11:20", None),
+            ("1:05", Some(5.0)),
+            ("01:30:15", None),
+            ("1:2.5", None),
+            ("1:4", None),
+            ("1:5001", None),
+            ("Room 1: 12 m²", Some(12.0)),
+            ("no scale", None),
+        ] {
+            assert_eq!(printed_scale(text), expected, "{text}");
+        }
     }
 
     #[test]

@@ -22,6 +22,8 @@ const TEMPER: f64 = 0.7;
 /// How many plans are drawn in the size of their paper, and how long that is at least, metres.
 const PRINTED_SHARE: f64 = 0.001;
 const PAPER_M: f64 = 0.05;
+/// How many are that small and say at which scale: nothing else is, and models at that scale say it too.
+const PRINTED_SAID_SHARE: f64 = 0.5;
 
 /// Of what is measured this share is taken to be something else, spread evenly over [`SPREAD`] powers of e.
 const OTHER: f64 = 0.15;
@@ -148,12 +150,14 @@ fn terms(clues: &Clues, said: Said, unit: Unit) -> [f64; CODES.len()] {
     let plain = terms_at(clues, said, unit, 1.0);
     let is_paper = (PAPER_M..SMALL_PLAN_M).contains(&(clues.extent * unit.metres))
         && said.declared.is_some_and(|d| d.name == unit.name);
-    if !is_paper || clues.leaves().is_empty() {
+    if !is_paper {
         return plain;
     }
-    let printed = scales(unit).into_iter().map(|scale| {
+    let usual = scales(unit).into_iter().filter(|_| !clues.leaves().is_empty());
+    let all = clues.scales.iter().map(|s| (*s, PRINTED_SAID_SHARE)).chain(usual.map(|s| (s, PRINTED_SHARE)));
+    let printed = all.map(|(scale, share)| {
         let mut terms = terms_at(clues, said, unit, scale);
-        terms[CODES.len() - 1] += PRINTED_SHARE.ln();
+        terms[CODES.len() - 1] += share.ln();
         terms
     });
     let sum = |t: &[f64; CODES.len()]| t.iter().sum::<f64>();
@@ -202,10 +206,12 @@ pub fn says_thickness(clues: &Clues) -> bool {
         && clues.paired_share >= PAIRS_SHARE
 }
 
-/// Whether one drawing unit of so many metres makes of what is drawn a building: none of doors, walls and size speaks
-/// against it.
+/// Whether one drawing unit of so many metres makes of what is drawn a building: its doors, if it has any, and none of walls
+/// and size speaks against it.
 pub fn is_building(clues: &Clues, metres: f64) -> bool {
-    doors(clues, metres) > 0.0 && walls(clues, metres) >= 0.0 && fit(&SIZE, clues.largest * metres) > AGAINST
+    (clues.leaves().is_empty() || doors(clues, metres) > 0.0)
+        && walls(clues, metres) >= 0.0
+        && fit(&SIZE, clues.largest * metres) > AGAINST
 }
 
 /// A size that is this much less likely than any is against a unit.
