@@ -4,6 +4,7 @@
     draw_plans.py dxf THINGS FOLDER...       the same from folders that ifc_plans.py has drawn (from their named.dxf)
     draw_plans.py plans THINGS OUT NAME...   four plain styles and the truth: OUT/NAME/{named,one,numbered,blocks}.{dxf,json}, truth.dxf
     draw_plans.py vary THINGS OUT SEED COUNT NAME...   COUNT mixed styles with the noise of real sheets: OUT/NAME-K/plan.{dxf,json}, truth.dxf
+    draw_plans.py hard THINGS OUT SEED COUNT NAME...   the same, most on one layer and with what looks like walls
 
 The label file: {unit_m, views: [{kind, box}], labels: {handle: class}}, blocks' entities included. Drawings must not be committed.
 Needs Python with ezdxf, shapely and numpy; `cut` also ifcopenshell.
@@ -226,7 +227,7 @@ class Storey:
         self.walls = unary_union([g.buffer(.001, join_style=2) for g in self.wall_polys])
         self.columns = [g for k, c, s in self.things if c and k == "IfcColumn" for g in poly(s)]
         solid = unary_union([self.walls] + self.columns)
-        self.windows, self.panes, self.doors, self.rest = [], [], [], []
+        self.windows, self.panes, self.doors, self.rest, self.taken = [], [], [], [], []
         glass = [g for k, c, s in self.things if c and k == "IfcWindow" for g in poly(s)]
         for g in parts(unary_union([g.buffer(.06) for g in glass])):
             own = unary_union([x for x in glass if x.intersects(g)]); f = frame(own)
@@ -300,8 +301,8 @@ WEIGHTS = dict(zip(CLASSES, (50, 50, 18, 25, 18, 13, 13, 13, 18, 13, 9, 9, 13, 3
 
 class Hand:
     """How the entities of a class are put on layers."""
-    def __init__(self, rng):
-        self.rng = rng; kind = rng.choices(("names", "numbers", "pens", "one", "muddle"), (50, 13, 13, 9, 15))[0]
+    def __init__(self, rng, odds=(50, 13, 13, 9, 15)):
+        self.rng = rng; kind = rng.choices(("names", "numbers", "pens", "one", "muddle"), odds)[0]
         self.kind, self.lang = kind, rng.choice(list(SCHEMES))
         self.layers = dict(zip(CLASSES, SCHEMES[self.lang].split()))
         if kind == "names" and rng.random() < .3:
@@ -339,6 +340,7 @@ class Hand:
 class Sheet:
     def __init__(self, rng, hand):
         self.rng, self.hand, self.items, self.blocks, self.views = rng, hand, [], {}, []
+        self.how = "ring"
     def add(self, what, kind, *data, cls=None, **more):
         self.items.append((what, cls or (what if what not in ("area", "roof") else "other"), kind, data, more))
     def line(self, what, a, b, **m): self.add(what, "line", a, b, **m)
@@ -467,6 +469,16 @@ def draw_columns(s, st, mix):
         s.polygon("column", g, "ring" if mix["wall"] != "lines" else "lines")
         if mix["column_fill"]: s.hatch("hatch", [g], "SOLID")
 
+def _boxes(s, what, at, boxes):
+    for x0, y0, x1, y1 in boxes: s.edges(what, [at(x0, y0), at(x1, y0), at(x1, y1), at(x0, y1)], True, "ring" if s.how == "ring" else "lines")
+def sliding_sashes(s, mix, at, w, t): _boxes(s, "window", at, ((-1, -.25, .04, 0), (-.04, 0, 1, .25)))
+def casements(s, mix, at, w, t):
+    n = 2 if w > 1 else 1
+    _boxes(s, "window", at, [(-1 + 2 * i / n, -.12, -1 + 2 * (i + 1) / n, .12) for i in range(n)])
+def frame_box(s, mix, at, w, t):
+    e = .1 / w; _boxes(s, "window", at, ((-1, -.3, -1 + e, .3), (1 - e, -.3, 1, .3))); s.line("window", at(-1 + e, 0), at(1 - e, 0))
+WINDOWS = {"sashes": sliding_sashes, "casements": casements, "frame": frame_box}
+
 def draw_windows(s, st, mix):
     truth = []
     for c, u, w, t in st.windows:
@@ -474,8 +486,9 @@ def draw_windows(s, st, mix):
         def paint(s, c=(0, 0), u=(1, 0), v=(0, 1)):
             at = lambda i, j: (c[0] + u[0] * i * w / 2 + v[0] * j * t / 2, c[1] + u[1] * i * w / 2 + v[1] * j * t / 2)
             style = mix["window"]
-            rows = {"2": (-.2, .2), "2faces": (-1, 1), "3": (-1, 0, 1), "4": (-1, -.25, .25, 1), "rect": (0,)}[style]
+            rows = {"2": (-.2, .2), "2faces": (-1, 1), "3": (-1, 0, 1), "4": (-1, -.25, .25, 1), "rect": (0,)}.get(style, (-1, 1))
             for j in rows: s.line("window", at(-1, j), at(1, j))
+            if style in WINDOWS: WINDOWS[style](s, mix, at, w, t)
             if style == "rect": s.pl("window", [at(i, j) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))], True)
             if mix["window_frame"]:
                 e = .1 / w
@@ -506,6 +519,19 @@ def leaf(s, mix, h, out, w, sense, length):
     elif mix["swing"] == "chord": s.line("door", steps[0], steps[-1])
     elif mix["swing"] == "lines": s.edges("door", steps[::2], False, "lines")
     else: s.pl("door", steps)
+
+def _leaf(s, at, x0, x1, y0, y1): s.edges("door", [at(x0, y0), at(x1, y0), at(x1, y1), at(x0, y1)], True, "ring" if s.how == "ring" else "lines")
+def pocket(s, at, w, t, side, end):
+    """A leaf half in the wall, and the pocket that takes it."""
+    x0, x1 = sorted((end * .1 * w, end * 1.1 * w)); _leaf(s, at, x0, x1, -.02, .02)
+    for y in (-.05, .05): s.line("door", at(end * w / 2, y), at(end * 1.52 * w, y), dash="DASHED")
+def barn(s, at, w, t, side, end): y = side * (t / 2 + .04); _leaf(s, at, -w * .55, w * .55, y - .02, y + .02); s.line("door", at(-w * .6, y + side * .04), at(w * 1.4 * end, y + side * .04))
+def barn_aside(s, at, w, t, side, end): y = side * (t / 2 + .05); x0, x1 = sorted((end * .45 * w, end * 1.5 * w)); _leaf(s, at, x0, x1, y - .02, y + .02)
+def folding(s, at, w, t, side, end):
+    n = 4 if w > 1.2 else 2; pts = [at(-end * w / 2 + end * i * w * .2, side * (t / 2 if i % 2 == 0 else t / 2 + w * .35)) for i in range(n + 1)]; s.pl("door", pts)
+def triple(s, at, w, t, side, end):
+    for i in range(3): _leaf(s, at, -w / 2 + i * w / 3, -w / 2 + (i + 1.15) * w / 3 if i < 2 else w / 2, -.06 + i * .04, -.03 + i * .04)
+SLIDES = {"pocket": pocket, "barn": barn, "aside": barn_aside, "folding": folding, "triple": triple}
 
 def draw_doors(s, st, mix):
     for d in st.doors:
@@ -538,6 +564,7 @@ def draw_doors(s, st, mix):
             if jamb:
                 for i in (-1, 1): s.pl("door", [at(i * w / 2, -t / 2), at(i * (w / 2 - jamb), -t / 2), at(i * (w / 2 - jamb), t / 2), at(i * w / 2, t / 2)], True)
             for y in mix["threshold"]: s.line("door", at(-w / 2, y * t / 2), at(w / 2, y * t / 2))
+            if shape == "slide" and mix.get("slide") in SLIDES: return SLIDES[mix["slide"]](s, at, w, t, side, end)
             if shape == "slide":
                 for x, y in ((-w / 4, .02), (w / 4, -.02)): s.pl("door", [at(x + i * w / 4 * 1.08, y + j * .018) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))], True)
                 return
@@ -607,7 +634,7 @@ def place(room, taken, size, rng, wall=True):
     return None
 
 def furnish(s, st, mix):
-    blocks = mix["furniture_block"]; taken = []
+    blocks = mix["furniture_block"]; st.taken = taken = []
     for d in st.doors:
         if d["gap"]: c, u, w, t = d["gap"]; taken.append(Polygon(rect(c, u, w, t + 2 * min(w, 1.1))))
     for cls, shapes, _ in st.rest: taken += [LineString(p).buffer(.05) for p, _ in shapes if len(p) > 1]
@@ -777,6 +804,178 @@ def title(s, mix):
     for i, word in enumerate(("Index  Datum", "Plan-Nr. A-101", "M 1:100", "Grundriss / Floor plan", "Project")): s.text("title", (x1 - w * .97, y0 + h * (i + .3) / 5), h / 13, word)
     s.views.append(("title", s.bounds(start)))
 
+# ---- what looks like walls and is none
+
+def along(room, rng, least=.8):
+    """An edge of a room's outline: its start, its direction, the way inwards, its length."""
+    ring = list(room.exterior.coords); edges = [(a, b) for a, b in zip(ring, ring[1:]) if math.dist(a, b) > least]
+    if not edges: return None
+    a, b = rng.choice(edges); l = math.dist(a, b); u = ((b[0] - a[0]) / l, (b[1] - a[1]) / l); n = (-u[1], u[0])
+    if not room.contains(Point(a[0] + u[0] * l / 2 + n[0] * .05, a[1] + u[1] * l / 2 + n[1] * .05)): n = (-n[0], -n[1])
+    return a, u, n, l
+
+def lines_in(area, step, turn, rng):
+    """Parallel lines through an area."""
+    x, y = area.centroid.x, area.centroid.y; r = math.dist(area.bounds[:2], area.bounds[2:]) / 2 + step; c, n = math.cos(turn), math.sin(turn)
+    if 2 * r / step > 400: return
+    at = lambda i, j: (x + i * c - j * n, y + i * n + j * c); j = -r + rng.uniform(0, step)
+    while j < r:
+        g = LineString([at(-r, j), at(r, j)]).intersection(area); j += step
+        for l in getattr(g, "geoms", [g]):
+            if l.geom_type == "LineString" and l.length > .03: yield l.coords[0], l.coords[-1]
+
+def gaps(s, what, a, b, dash, cls=None):
+    """A line with gaps: as a line type, or as short lines where the drawing was exported so."""
+    l = math.dist(a, b)
+    if not dash: return s.line(what, a, b, cls=cls)
+    if s.rng.random() < .5 or l > 30: return s.line(what, a, b, dash=dash, cls=cls)
+    at = lambda f: (a[0] + (b[0] - a[0]) * f / l, a[1] + (b[1] - a[1]) * f / l); f = 0
+    while f < l: s.line(what, at(f), at(min(f + .3, l)), cls=cls); f += .45
+
+def beams(s, st, mix):
+    dash = mix["beams"] if mix["beams"] != "drawn" else None; wide = s.rng.choice((.2, .24, .3, .4))
+    for room in st.rooms:
+        e = s.rng.random() < .5 and along(room, s.rng, 1.2)
+        if not e: continue
+        a, u, n, l = e; step = s.rng.choice((0, 0, 1.5, 2.4)); f = s.rng.uniform(.25, .75) * l
+        for k in range(6 if step else 1):
+            g = f + k * step
+            if g > l - .2: break
+            for d in (-wide / 2, wide / 2) if s.rng.random() < .85 else (0,):
+                p = (a[0] + u[0] * (g + d), a[1] + u[1] * (g + d)); ray = LineString([(p[0] + n[0] * .01, p[1] + n[1] * .01), (p[0] + n[0] * 60, p[1] + n[1] * 60)]).intersection(room)
+                ray = getattr(ray, "geoms", [ray])[0]
+                if ray.geom_type == "LineString" and ray.length > .5: gaps(s, "other", ray.coords[0], ray.coords[-1], dash)
+
+def roof_lines(s, st, mix):
+    """Eaves, ridge, hips and valleys of a roof above the storey."""
+    for g in st.footprint:
+        m = g.minimum_rotated_rectangle
+        if m.geom_type != "Polygon": continue
+        f = frame(m); (x, y), u, l, d = f; v = (-u[1], u[0]); o = s.rng.choice((.5, .8, 1.2)); l += 2 * o; d += 2 * o; hip = s.rng.choice((0, d / 2)); dash = s.rng.choice((None, "DASHED", "DASHED"))
+        at = lambda i, j: (x + u[0] * i + v[0] * j, y + u[1] * i + v[1] * j); c = [at(-l / 2, -d / 2), at(l / 2, -d / 2), at(l / 2, d / 2), at(-l / 2, d / 2)]; r = [at(-l / 2 + hip, 0), at(l / 2 - hip, 0)]
+        for a, b in zip(c, c[1:] + c[:1]): gaps(s, "roof", a, b, dash, "other")
+        gaps(s, "roof", r[0], r[1], dash, "other")
+        if hip:
+            for a, b in ((c[0], r[0]), (c[3], r[0]), (c[1], r[1]), (c[2], r[1])): gaps(s, "roof", a, b, dash, "other")
+        if s.rng.random() < .4:
+            for off in (.08, .2): s.pl("roof", g.buffer(o - off, join_style=2).simplify(.05).exterior.coords, True, dash=dash, cls="other")
+
+def contours(s, st, mix):
+    """Lines of equal height, a plot with its neighbours, a path and a fence."""
+    x0, y0, x1, y1 = st.box; far = max(6., .5 * max(x1 - x0, y1 - y0)); rng = s.rng; ground = unary_union([g.buffer(.3) for g in st.footprint])
+    tilt, bend, wave = rng.uniform(0, math.pi), rng.uniform(.2, 1.2), rng.uniform(.1, .4); c, n = math.cos(tilt), math.sin(tilt); cx, cy = (x0 + x1) / 2, (y0 + y1) / 2; r = far + max(x1 - x0, y1 - y0) / 2
+    through = rng.random() < .35; step = rng.choice((1., 1.6, 2.5)); q = -r
+    while q < r and mix["contours"] in ("contours", "both"):
+        pts = [(i * r / 12, q + bend * math.sin(i * wave + q * .1)) for i in range(-12, 13)]; pts = [(cx + i * c - j * n, cy + i * n + j * c) for i, j in pts]; g = LineString(pts) if through else LineString(pts).difference(ground); q += step * rng.uniform(.8, 1.2)
+        for l in getattr(g, "geoms", [g]):
+            if l.length > .5: s.edges("outside", l.coords, False, rng.choice(("ring", "lines")))
+    if mix["contours"] in ("plot", "both"):
+        k = lambda: far * rng.uniform(.3, .9); p = [(x0 - k(), y0 - k()), (x1 + k(), y0 - k()), (x1 + k(), y1 + k()), (x0 - k(), y1 + k())]
+        s.edges("outside", p, True, rng.choice(("ring", "lines")), dash=rng.choice((None, "DASHDOT")))
+        if rng.random() < .5: s.edges("outside", Polygon(p).buffer(-rng.choice((.15, .2, 3.)), join_style=2).exterior.coords, True, "ring")
+        for a in p: s.line("outside", a, (a[0] + (a[0] - cx) * .6, a[1] + (a[1] - cy) * .6)); s.circle("outside", a, .15)
+        w = rng.choice((.9, 1.2, 3.)); x = rng.uniform(x0, x1)
+        for d in (0, w): s.line("outside", (x + d, y0 - .6), (x + d, min(q[1] for q in p)))
+
+def strips(s, st, mix):
+    """What stands along walls and is as deep as one: counters of units, wardrobes with doors, shelves, radiators, ducts."""
+    rng = s.rng; shut = unary_union([Polygon(rect(d["gap"][0], d["gap"][1], d["gap"][2], d["gap"][3] + 1.4)) for d in st.doors if d["gap"]])
+    for room in st.rooms:
+        for _ in range(rng.choice((0, 1, 1, 2))):
+            e = along(room, rng, 1.0)
+            if not e: continue
+            a, u, n, l = e; kind = rng.choice(mix["strips"]); deep = {"units": .6, "wardrobe": .62, "shelf": rng.choice((.2, .3, .35)), "radiator": .12, "lining": rng.choice((.08, .12, .2))}[kind]; length = l if kind in ("wardrobe", "lining") and rng.random() < .6 else min(l, rng.uniform(.8, 3.6)); f = rng.choice((0, l - length, rng.uniform(0, l - length)))
+            at = lambda i, j: (a[0] + u[0] * (f + i) + n[0] * j, a[1] + u[1] * (f + i) + n[1] * j); off = rng.choice((0, .02)); body = [at(0, off), at(length, off), at(length, deep), at(0, deep)]; g = Polygon(body)
+            if g.intersects(shut) or any(g.intersects(t) for t in st.taken) or not room.buffer(.08).contains(g): continue
+            how = "ring" if s.how == "ring" else "lines"; s.edges("furniture", body, True, how); cell = rng.choice((.5, .6, .9))
+            if kind in ("units", "wardrobe", "shelf"):
+                for i in range(1, int(length / cell) + 1):
+                    if i * cell < length - .1: s.line("furniture", at(i * cell, off), at(i * cell, deep))
+            if kind == "units": s.line("furniture", at(0, .35), at(length, .35), dash="DASHED")
+            if kind == "wardrobe":
+                s.line("furniture", at(0, deep / 2), at(length, deep / 2))
+                if rng.random() < .5: s.line("furniture", at(0, deep - .04), at(length, deep - .04))
+            if kind == "radiator": s.line("furniture", at(0, deep / 2), at(length, deep / 2))
+    if rng.random() < .5:
+        for room in [r for r in st.rooms if r.area < 9][:3]:  # a duct crossed out
+            e = along(room, rng, .7)
+            if e: a, u, n, l = e; q = [(a[0] + u[0] * i + n[0] * j, a[1] + u[1] * i + n[1] * j) for i, j in ((.02, .02), (.42, .02), (.42, .32), (.02, .32))]; s.edges("other", q, True, "ring"); s.line("other", q[0], q[2]); s.line("other", q[1], q[3])
+
+def floors(s, st, mix):
+    """Tiles, planks and hatches of floors, line by line."""
+    for room in st.rooms:
+        small = room.area < 10
+        if s.rng.random() > (.8 if small else .25) or room.area > 60: continue
+        step = s.rng.choice((.2, .3, .3, .6)) if small else s.rng.choice((.15, .3, .6)); turn = s.rng.choice((0, 0, math.pi / 4))
+        for t in (turn, turn + math.pi / 2) if small else (turn,):
+            for a, b in lines_in(room.buffer(-.01), step, t, s.rng): s.line("hatch", a, b)
+
+def filled(s, st, mix):
+    """Walls hatched line by line; some of them, as new walls are told from old ones."""
+    turn = s.rng.choice((math.pi / 4, -math.pi / 4, 0)); step = s.rng.choice((.05, .08, .12)); share = s.rng.choice((.3, .6, 1)); n = 0
+    for g in st.wall_polys:
+        if s.rng.random() > share: continue
+        for a, b in lines_in(g, step, turn, s.rng):
+            n += 1
+            if n > 2500: return
+            s.line("hatch", a, b)
+
+def chains_inside(s, st, mix):
+    """Chains of dimensions through rooms, levels, section marks, leaders: loose lines."""
+    rng = s.rng; h = mix["text"]; x0, y0, x1, y1 = st.box
+    for room in st.rooms:
+        if rng.random() > .35: continue
+        bx = room.bounds; p = room.representative_point()
+        a, b = ((bx[0], p.y + .3), (bx[2], p.y + .3)) if rng.random() < .5 else ((p.x + .3, bx[1]), (p.x + .3, bx[3]))
+        if math.dist(a, b) > .8: s.line("dimension", a, b); [s.line("dimension", (q[0] - .08, q[1] - .08), (q[0] + .08, q[1] + .08)) for q in (a, b)]; s.text("dimension", ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), h * .7, f"{math.dist(a, b):.2f}", 0 if a[1] == b[1] else 90)
+        if rng.random() < .3: q = (p.x, p.y - .6); s.pl("annotation", [q, (q[0] - .12, q[1] + .2), (q[0] + .12, q[1] + .2)], True); s.line("annotation", (q[0] - .4, q[1] + .2), (q[0] + .7, q[1] + .2)); s.text("annotation", (q[0] + .1, q[1] + .25), h * .6, f"+{rng.uniform(0, 9):.2f}")
+    if rng.random() < .5:  # where it is cut
+        y = rng.uniform(y0, y1); gaps(s, "annotation", (x0 - 2, y), (x1 + 2, y), "DASHDOT")
+        for x in (x0 - 2, x1 + 2): s.circle("annotation", (x, y), .35); s.line("annotation", (x, y), (x, y + .8))
+
+def legend(s, mix):
+    """Samples of walls, doors and windows with words beside them."""
+    x0, y0, x1, y1 = s.bounds(); rng = s.rng; x = x1 + 2; y = y1; start = len(s.items)
+    for word in ("Mauerwerk 24 cm", "New wall", "Demolished", "D1 0.90x2.10", "W1 1.20x1.40", "Beton"):
+        deep = rng.choice((.12, .2, .3)); s.pl("title", [(x, y), (x + 1.5, y), (x + 1.5, y - deep), (x, y - deep)], True); s.text("title", (x + 1.8, y - deep), .2, word)
+        if rng.random() < .5:
+            for a, b in lines_in(box(x, y - deep, x + 1.5, y), .08, math.pi / 4, rng): s.line("title", a, b)
+        if word[0] in "DW": s.line("title", (x + .3, y), (x + .3, y + .7)); s.arc("title", (x + .3, y), .7, 0, 90)
+        y -= 1.1
+    b = s.bounds(start); s.pl("title", [(b[0] - .5, b[1] - .5), (b[2] + .5, b[1] - .5), (b[2] + .5, b[3] + .5), (b[0] - .5, b[3] + .5)], True); s.views.append(("legend", b))
+
+def exploded(s, items):
+    """Everything as loose lines: blocks and polylines taken apart, arcs kept."""
+    out = Sheet(s.rng, s.hand)
+    for item in items:
+        what, cls, kind, data, more = item
+        if kind == "insert":
+            inner = Sheet(s.rng, s.hand); paste(inner, s.blocks[data[0]], data[1], data[2]); out.items += exploded(s, inner.items)
+        elif kind == "pl":
+            pts = list(data[0]) + ([data[0][0]] if data[1] else [])
+            for a, b in zip(pts, pts[1:]):
+                if math.dist(a, b) > 1e-4: out.items.append((what, cls, "line", (a, b), more))
+        else: out.items.append(item)
+    return out.items
+
+HARD = (22, 15, 18, 25, 20)  # names, numbers, pens, one, muddle
+def harder(rng, mix):
+    """A mixture with what the reader takes for walls: each is drawn in a part of the drawings."""
+    pick = rng.choice; p = lambda q: rng.random() < q
+    if p(.6): mix["window"] = pick(("sashes", "casements", "frame", "3", "4", "4")); mix["window_block"] = p(.2)
+    if p(.5): mix["slides"] = pick((.3, 1)); mix["slide"] = pick(list(SLIDES) + ["two"])
+    if p(.45): mix |= {"swing": "none", "angle": pick((90, 90, 45, 30, 60)), "leaf_thick": pick((.04, .04, .05, .06)), "leaf_ring": p(.5), "hinge_at": pick((1, 0))}
+    if p(.4): mix["fill"] = None
+    if p(.06): mix["wall"] = "single"
+    mix |= {"beams": pick((None, None, "drawn", "DASHED", "DASHED")), "roofing": p(.25), "contours": pick((None, None, None, "contours", "plot", "both")),
+            "strips": pick((None, ("units", "wardrobe", "shelf"), ("units", "wardrobe", "shelf", "radiator", "lining"))), "floors": p(.25), "filled": mix["fill"] is None and p(.3),
+            "inside": p(.35), "legend": p(.15), "exploded": p(.3)}
+    return mix
+
+def draw_harder(s, st, mix):
+    for key, draw in (("beams", beams), ("roofing", roof_lines), ("strips", strips), ("floors", floors), ("filled", filled), ("inside", chains_inside)):
+        if mix[key]: draw(s, st, mix)
+
 def mixture(rng, st):
     small = max(st.box[2] - st.box[0], st.box[3] - st.box[1]) < 40
     pick = rng.choice; p = lambda q: rng.random() < q
@@ -809,7 +1008,7 @@ def draw_storey(s, st, mix):
         for g in st.footprint: s.pl("roof", g.buffer(.95, join_style=2).simplify(.1).exterior.coords, True, dash="DASHED")
     return truth, s.bounds(start)
 
-def vary(things_dir, out, seed, count, names):
+def vary(things_dir, out, seed, count, names, hard=False):
     """The side for testing (EF-QUERY and truth.dxf) is drawn where OUT ends in `dev`; a second plan on the sheet only where it does not."""
     query = os.path.basename(out.rstrip("/")).endswith("dev"); ready = {}
     def storey(name):
@@ -820,14 +1019,18 @@ def vary(things_dir, out, seed, count, names):
         for n in range(count):
             rng = random.Random(f"{seed}/{name}/{n}"); st = storey(name)
             if not st.footprint or len(st.rooms) < 2 or not any(d["gap"] for d in st.doors): print(name, "has no rooms", flush=True); break
-            mix = mixture(rng, st); hand = Hand(rng)
+            mix = mixture(rng, st); hand = Hand(rng, HARD) if hard else Hand(rng)
+            if hard: mix = harder(rng, mix); how = rng.choice(("ring", "lines"))
             s = Sheet(rng, hand); s.zero = rng.random() < .6
+            if hard: s.how = how
             truth, where = draw_storey(s, st, mix)
+            if hard: draw_harder(s, st, mix)
             x0, y0, x1, y1 = st.box
             if mix["dim_sides"]: dimensions(s, st, mix)
             if mix["grid"]: grid(s, st, mix)
             s.views.append(("plan", s.bounds()))
             outside(s, st, mix)
+            if hard and mix["contours"]: contours(s, st, mix)
             x0, y0, x1, y1 = s.bounds()
             others = [x for x in sorted(os.listdir(things_dir)) if x[:-5] != name and x[:-5].rsplit("-", 1)[0] == name.rsplit("-", 1)[0]]
             if mix["second"] and others and not query:
@@ -836,7 +1039,9 @@ def vary(things_dir, out, seed, count, names):
                 moved = (dx, 0.); shifted(s, t.items, moved); s.views.append(("plan", (b[0] + dx, b[1], b[2] + dx, b[3])))
             if mix["elevation"]: b = s.bounds(); elevation(s, mix, (b[0] + 3, b[1] - 14 - rng.uniform(0, 4)), min(x1 - x0, rng.uniform(9, 24)), rng.uniform(5, 9), False)
             if mix["section"]: b = s.bounds(); elevation(s, mix, (b[2] + 7, b[1] + 3), rng.uniform(8, 16), rng.uniform(5, 9), True)
+            if hard and mix["legend"]: legend(s, mix)
             if mix["title"]: title(s, mix)
+            if hard and mix["exploded"]: s.items = exploded(s, s.items)
             unit = rng.choices(list(UNITS), (40, 12, 25, 13, 10))[0]; metres, code = UNITS[unit]; k = 1 / metres
             u = rng.random(); said = code if u < .5 else 0 if u < .8 else rng.choice([c for c in (1, 2, 4, 5, 6) if c != code])
             turn = rng.choice((90., 180., 270., rng.uniform(0, 360), rng.uniform(0, 360), rng.uniform(-12, 12))) if rng.random() < .3 else 0.
@@ -869,5 +1074,5 @@ if __name__ == "__main__":
     if verb == "cut": cut(rest[0], rest[1:])
     elif verb == "dxf": from_dxf(rest[0], rest[1:])
     elif verb == "plans": plans(rest[0], rest[1], rest[2:])
-    elif verb == "vary": vary(rest[0], rest[1], int(rest[2]), int(rest[3]), rest[4:])
+    elif verb in ("vary", "hard"): vary(rest[0], rest[1], int(rest[2]), int(rest[3]), rest[4:], verb == "hard")
     else: sys.exit(__doc__)

@@ -96,6 +96,8 @@ pub fn union(a: &[DVec2; 2], b: &[DVec2; 2]) -> [DVec2; 2] {
 
 /// Distance of two boxes, 0 where they overlap.
 pub fn gap(a: &[DVec2; 2], b: &[DVec2; 2]) -> f64 {
+    #[cfg(test)]
+    looked::at_two();
     (a[0] - b[1]).max(b[0] - a[1]).max(DVec2::ZERO).length()
 }
 
@@ -126,7 +128,29 @@ fn halve(boxes: &[[DVec2; 2]], own: &mut [u32], from: usize, parts: &mut Vec<Par
 }
 
 fn touches(a: &[DVec2; 2], b: &[DVec2; 2]) -> bool {
+    #[cfg(test)]
+    looked::at_two();
     a[0].cmple(b[1]).all() && b[0].cmple(a[1]).all()
+}
+
+/// How often two boxes were held against each other in this thread, for tests of how work grows.
+#[cfg(test)]
+pub mod looked {
+    use std::cell::Cell;
+
+    thread_local! {
+        static PAIRS: Cell<usize> = const { Cell::new(0) };
+    }
+
+    /// Counts one pair.
+    pub fn at_two() {
+        PAIRS.set(PAIRS.get() + 1);
+    }
+
+    /// The pairs since it was asked last.
+    pub fn pairs() -> usize {
+        PAIRS.replace(0)
+    }
 }
 
 #[cfg(test)]

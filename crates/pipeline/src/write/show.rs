@@ -197,7 +197,8 @@ pub(crate) fn check_picture(base: &Understood, sensed: &Sensed, rooms: &[Room]) 
             OpeningKind::Window => StrokeKind::Window,
         };
         let points = opening.jambs.map(|j| (j.at * scale).to_array()).to_vec();
-        out.strokes.push(match uncut_ground(&base.plan, opening) {
+        let ground = uncut_ground(&base.plan, opening).filter(|_| kind != StrokeKind::Opening);
+        out.strokes.push(match ground {
             Some(ring) => Stroke {
                 points: ring.map(|p| (p * scale).to_array()).to_vec(),
                 closed: true,
@@ -543,6 +544,27 @@ pub(crate) fn lattice_centre(study: &Study) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::understand::understood::understood;
+    use enfilade_config::{Partial, Settings};
+    use enfilade_fixtures::corridor::{corners, drawing, line, polyline};
+
+    /// A door drawn over a wall whose lines go on under it is seen through: its ground is that of the whole wall.
+    #[test]
+    fn no_wall_is_shown_across_a_door_in_an_uncut_wall() {
+        let swing = "0|ARC|8|DOORS|10|4.1|20|2.0|40|0.9|50|0|51|90|";
+        let rings = [[0.0, 0.0, 10.1, 7.0], [0.2, 0.2, 4.0, 6.8], [4.1, 0.2, 9.9, 6.8]];
+        let walls: String = rings.iter().map(|r| polyline("WALLS", &corners(*r), true)).collect();
+        let text = drawing(&(walls + &line("DOORS", [4.1, 2.0, 5.0, 2.0]) + swing));
+        let mut report = Report::default();
+        let settings = Settings::new(Partial::default()).unwrap();
+        let read = enfilade_cad::read("plan.dxf", text.as_bytes(), &Default::default(), &mut report).unwrap();
+        let base = understood(&read, &settings, &mut report).unwrap();
+        let shown = check_picture(&base, &Sensed::new(&base, &settings), &[]);
+        let door = shown.strokes.iter().find(|s| s.kind == StrokeKind::Door).unwrap();
+        let [lo, hi] = bounds_of(door.points.iter().copied());
+        let size = [hi[0] - lo[0], hi[1] - lo[1]].map(|m| (m * 100.0).round() as i64);
+        assert!(door.filled && size == [10, 90], "{door:?}");
+    }
 
     /// A façade along which a partition slides is not shown as moving from end to end.
     #[test]

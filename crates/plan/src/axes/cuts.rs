@@ -17,8 +17,6 @@ const CUT_MAX_M: f64 = 5.0;
 const MARK_MIN_M: f64 = 0.4;
 /// How far beside a wall's faces the hinge of a door in it may lie.
 const HINGE_BESIDE_M: f64 = 0.12;
-/// How near to another wall's face the tip of an open leaf stands on it.
-const TIP_M: f64 = 0.06;
 /// What must be left of a wall beside a cut; less goes to the cut.
 const REST_M: f64 = 0.02;
 
@@ -128,9 +126,6 @@ fn at_marks(axes: &[Axis], evidence: &Evidence<'_>, near: &Buckets, gaps: &mut [
             // A leaf that opens against another wall touches two walls: which one it is in, is not said.
             if let [(a, gap)] = swings.as_slice()
                 && !around.iter().any(|b| ends_at_hinge(&axes[*b as usize], path))
-                && !around
-                    .iter()
-                    .any(|b| b != a && ends_on(&axes[*b as usize], path, *gap, &axes[*a as usize]))
                 && is_within(*gap, axes[*a as usize].span)
             {
                 gaps[*a as usize].push(as_wide_as_leaf(&axes[*a as usize], evidence, path, *gap));
@@ -179,16 +174,6 @@ fn ends_at_hinge(axis: &Axis, path: &Path) -> bool {
         let looks = |p: DVec2| (p - centre).dot(out) > 0.9 * radius;
         axis.carrier.at(axis.span[e]).distance(centre) < axis.thickness / 2.0 + 2.0 * HINGE_BESIDE_M
             && path.ends().into_iter().any(looks)
-    })
-}
-
-/// Whether the leaf of a swing that lies along a gap turns onto another wall: then it closes the way between the
-/// two, and lies open along the first.
-fn ends_on(other: &Axis, path: &Path, gap: Span, axis: &Axis) -> bool {
-    let reach = other.thickness / 2.0 + TIP_M;
-    path.ends().into_iter().filter(|e| axis.carrier.offset_of(*e).abs() > spans::length(gap) / 2.0).any(|e| {
-        let s = other.carrier.s_of(e);
-        other.carrier.offset_of(e).abs() <= reach && s > other.span[0] - reach && s < other.span[1] + reach
     })
 }
 

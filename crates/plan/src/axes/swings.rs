@@ -22,14 +22,10 @@ const SUNK_M: f64 = 0.12;
 const BESIDE_M: f64 = 0.06;
 /// Swings may end this far before their leaves are closed.
 const AJAR_RAD: f64 = 0.35;
-/// Pairs of leaves with no more than a post between them are one door.
-const BETWEEN_M: f64 = 0.4;
 /// Radii of leaves; at an unknown scale they are not known exactly.
 const RADIUS_M: [f64; 2] = [LEAF_M[0], 1.6];
 /// Leaves that meet are alike up to this share.
 const LIKE_SHARE: f64 = 0.15;
-/// Most pairs of leaves that are looked at side by side.
-const PAIRS_MAX: usize = 500;
 /// Directions whose cosine is larger are one.
 const SAME_COS: f64 = 0.97;
 /// How much room a closed leaf has before a wall along it: nearer, it lies on the wall.
@@ -67,27 +63,6 @@ impl Leaf {
     }
 }
 
-/// Two leaves that close the way from one place to another, or several such pairs side by side.
-struct Pair {
-    ends: [DVec2; 2],
-    marks: Vec<u32>,
-}
-
-impl Pair {
-    /// Both as one, if the other begins where this ends and goes on in its direction.
-    fn joined(&self, other: &Self) -> Option<Self> {
-        let marks = || self.marks.iter().chain(&other.marks).copied().collect();
-        let [[a, b], [c, d]] = [self.ends, other.ends];
-        let is_row = |p: DVec2, q: DVec2, r: DVec2, s: DVec2| {
-            let along = (q - p).normalize_or_zero();
-            q.distance(r) <= BETWEEN_M && along.dot((s - r).normalize_or_zero()) > SAME_COS
-        };
-        let ways = [(a, b, c, d), (a, b, d, c), (b, a, c, d), (b, a, d, c)];
-        let (p, .., s) = ways.into_iter().find(|(p, q, r, s)| is_row(*p, *q, *r, *s))?;
-        Some(Self { ends: [p, s], marks: marks() })
-    }
-}
-
 /// What a door may hang at.
 enum Body {
     Wall(u32),
@@ -111,9 +86,9 @@ pub fn find(evidence: &Evidence<'_>, graph: &AxisGraph, found: &[Opening]) -> Ve
             out.push(o);
         }
     };
-    for pair in pairs(&leaves) {
-        if pair.marks.iter().all(|m| !claimed.contains(m)) {
-            take(scene.door(pair.ends, &pair.marks, "leaves that meet"), &mut claimed);
+    for (a, b) in twins(&leaves) {
+        if !claimed.contains(&a.mark) && !claimed.contains(&b.mark) {
+            take(scene.door([a.hinge, b.hinge], &[a.mark, b.mark], "leaves that meet"), &mut claimed);
         }
     }
     for of_arc in leaves.chunk_by(|a, b| a.mark == b.mark && a.hinge == b.hinge) {
@@ -175,17 +150,6 @@ fn twins(leaves: &[Leaf]) -> Vec<(Leaf, Leaf)> {
         out.extend(later.map(|j| leaves[j]).filter(|b| a.meets(b)).map(|b| (*a, b)));
     }
     out
-}
-
-/// Leaves that meet, side by side where nothing stands between them; the longest row first.
-fn pairs(leaves: &[Leaf]) -> Vec<Pair> {
-    let of_two = |(a, b): (Leaf, Leaf)| Pair { ends: [a.hinge, b.hinge], marks: vec![a.mark, b.mark] };
-    let single: Vec<Pair> = twins(leaves).into_iter().map(of_two).collect();
-    let mut rows: Vec<Pair> = Vec::new();
-    for (i, a) in single.iter().enumerate().take(PAIRS_MAX) {
-        rows.extend(single[i + 1..].iter().take(PAIRS_MAX).filter_map(|b| a.joined(b)));
-    }
-    rows.into_iter().chain(single).collect()
 }
 
 struct Scene<'a> {

@@ -29,9 +29,6 @@ const SAME_RADIUS: f64 = 0.03;
 /// them, its neighbours stand farther off.
 const SHEET_CELLS: f64 = 96.0;
 
-/// Lengths are whole numbers where they are off by no more than this share of a unit.
-const WHOLE_SLACK: f64 = 1e-4;
-
 /// Most rooms with a written area that are looked at: each looks at every line.
 const ROOMS_MAX: usize = 60;
 
@@ -103,12 +100,7 @@ pub struct Clues {
     pub imperial: usize,
     /// Scales that its texts say it is printed at, each once, ascending: metres for one on paper.
     pub scales: Vec<f64>,
-    /// Share of straight walls along the sheet's sides that are whole numbers long, where there are enough.
-    pub whole_share: Option<f64>,
 }
-
-/// Fewest pieces of which it is asked whether their lengths are whole.
-const WHOLE_MIN: usize = 12;
 
 impl Clues {
     /// Looks at the lines taken for walls, and at the whole drawing for everything else.
@@ -138,7 +130,6 @@ impl Clues {
                 .filter(|t| is_imperial(t))
                 .count(),
             scales: printed_scales(drawing),
-            whole_share: whole_share(&found),
             gaps,
         }
     }
@@ -225,18 +216,6 @@ fn largest(found: &[Piece], [lo, hi]: [DVec2; 2]) -> f64 {
         }
     }
     best.1
-}
-
-/// Share of the pieces along x or y whose length is a whole number.
-fn whole_share(found: &[Piece]) -> Option<f64> {
-    let along = |p: &&Piece| {
-        let d = (p.b - p.a).abs();
-        d.min_element() <= WHOLE_SLACK * d.max_element() && d.max_element() > WHOLE_SLACK
-    };
-    let lengths: Vec<f64> = found.iter().filter(along).map(Piece::length).collect();
-    let is_whole = |l: &&f64| l.round() > 0.0 && (**l - l.round()).abs() <= WHOLE_SLACK * l.max(1.0);
-    let whole = lengths.iter().filter(is_whole).count();
-    (lengths.len() >= WHOLE_MIN).then(|| whole as f64 / lengths.len() as f64)
 }
 
 /// The rooms in which an area is written.

@@ -12,8 +12,8 @@ use enfilade_cad::drawing::Unit;
 use enfilade_cad::units::UNITS;
 
 /// Codes of the terms, in their order, as [`UnitSense::reasons`] names them.
-pub const CODES: [&str; 10] =
-    ["header", "size", "walls", "doors", "dimensions", "areas", "letters", "imperial", "whole", "usual"];
+pub const CODES: [&str; 9] =
+    ["header", "size", "walls", "doors", "dimensions", "areas", "letters", "imperial", "usual"];
 
 /// What every term counts, since they are not quite independent: fitted for the probability of the right unit in 124
 /// drawings made from IFC; 32 drawings by 22 authors ask for between 0.5 and 1.
@@ -67,12 +67,11 @@ const BETWEEN_SHARE_MAX: f64 = 0.3;
 const PAIRS_MIN: usize = 8;
 const PAIRS_SHARE: f64 = 0.25;
 
-/// How likely a unit is where nothing is known, and the share of drawings in it in which lengths are whole numbers.
-const USUAL: [(&str, f64, f64); 5] =
-    [("m", 0.3, 0.03), ("mm", 0.43, 0.6), ("cm", 0.16, 0.4), ("in", 0.08, 0.25), ("ft", 0.03, 0.1)];
+/// How likely a unit is where nothing is known.
+const USUAL: [(&str, f64); 5] = [("m", 0.3), ("mm", 0.43), ("cm", 0.16), ("in", 0.08), ("ft", 0.03)];
 
 /// The same of any other unit.
-const UNUSUAL: (f64, f64) = (0.002, 0.2);
+const UNUSUAL: f64 = 0.002;
 
 /// How often a declared unit is right: that of programs' empty drawings less often than one that somebody chose.
 const DECLARED: [(&str, f64); 5] = [("m", 0.9), ("mm", 0.7), ("cm", 0.9), ("in", 0.5), ("ft", 0.7)];
@@ -167,7 +166,6 @@ fn terms(clues: &Clues, said: Said, unit: Unit) -> [f64; CODES.len()] {
 fn terms_at(clues: &Clues, said: Said, unit: Unit, scale: f64) -> [f64; CODES.len()] {
     let metres = unit.metres * scale;
     let is_imperial = matches!(unit.name, "in" | "ft");
-    let (usual, whole) = USUAL.iter().find(|u| u.0 == unit.name).map_or(UNUSUAL, |u| (u.1, u.2));
     let size = match clues.largest * metres {
         0.0 => 0.0,
         small if small < SMALL_PLAN_M && clues.extent * metres < SMALL_PLAN_M => SCALELESS_SHARE.ln(),
@@ -179,8 +177,6 @@ fn terms_at(clues: &Clues, said: Said, unit: Unit, scale: f64) -> [f64; CODES.le
         _ if is_imperial => (1.0 - IMPERIAL_METRIC).ln(),
         _ => IMPERIAL_METRIC.ln(),
     };
-    let whole =
-        clues.whole_share.map_or(0.0, |share| if share > 0.5 { whole.ln() } else { (1.0 - whole).ln() });
     let system = said.is_metric.map_or(0.0, |metric| {
         if metric != is_imperial { SYSTEM_RIGHT.ln() } else { (1.0 - SYSTEM_RIGHT).ln() }
     });
@@ -193,8 +189,7 @@ fn terms_at(clues: &Clues, said: Said, unit: Unit, scale: f64) -> [f64; CODES.le
         areas(clues, metres),
         letters,
         imperial,
-        whole,
-        usual.ln() + system,
+        usual(unit).ln() + system,
     ]
 }
 
@@ -221,8 +216,12 @@ fn header(said: Said, unit: Unit) -> f64 {
     let Some(declared) = said.declared else { return 0.0 };
     let right = DECLARED.iter().find(|d| d.0 == declared.name).map_or(DECLARED_ELSE, |d| d.1);
     // Units come with their own frequency ([`USUAL`]), which a header that is right knows already.
-    let usual = USUAL.iter().find(|u| u.0 == declared.name).map_or(UNUSUAL.0, |u| u.1);
+    let usual = usual(declared);
     if unit.name == declared.name { (right / usual).ln() } else { ((1.0 - right) / (1.0 - usual)).ln() }
+}
+
+fn usual(unit: Unit) -> f64 {
+    USUAL.iter().find(|u| u.0 == unit.name).map_or(UNUSUAL, |u| u.1)
 }
 
 /// Logarithm of the density of a length under some bells, against one that may be anything.
