@@ -544,7 +544,7 @@ pub(crate) fn lattice_centre(study: &Study) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::understand::understood::understood;
+    use crate::understand::understood;
     use enfilade_config::{Partial, Settings};
     use enfilade_fixtures::corridor::{corners, drawing, line, polyline};
 
