@@ -117,15 +117,16 @@ fn what_waits_in_a_folder_that_is_away_is_not_begun() {
     let names = ["a", "b", "c", "d"];
     names.iter().for_each(|name| daemon.save(&format!("{name}.dxf"), name));
     daemon.await_said("Queued {", names.len());
+    daemon.await_jobs(1);
     let away = daemon.root.with_extension("away");
     fs::rename(&daemon.root, &away).unwrap();
     daemon.await_said("Offline", 1);
     // One; on a machine so busy that it counts as long, another was begun beside it.
     let begun = daemon.count_said("Started");
     may_end.store(true, Ordering::SeqCst);
-    daemon.await_said("Failed {", begun);
+    daemon.await_said("Failed {", 1);
     daemon.rest();
-    assert_eq!((daemon.count_said("Started"), daemon.count_said("Failed {")), (begun, begun));
+    assert_eq!(daemon.count_said("Started"), begun);
     assert!(begun < names.len());
     fs::rename(&away, &daemon.root).unwrap();
     daemon.await_round("d", 1);
