@@ -45,18 +45,22 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<RoleSense>> {
         () => Kind::Plan,
     };
     let votes: Vec<Votes> = scene.things.iter().map(votes_of).collect();
-    let mut has_named_walls = false;
+    let mut walls = [0.0; 2];
     for (thing, votes) in scene.things.iter().zip(&votes) {
         let name = named.of(&drawing.entities[thing.entity as usize]);
         let sense = sense(votes, name, kind);
-        has_named_walls |= class_of(sense.role) == WALL && name.role != Role::Unknown;
+        if class_of(sense.role) == WALL {
+            walls[usize::from(name.role != Role::Unknown)] += thing.length;
+        }
         out[thing.entity as usize] = Some(sense);
     }
-    // In sketches, which the trees know least, what no name calls anything is no wall beside what is named so.
-    if kind == Kind::Sketch && has_named_walls {
+    if walls[1] > 0.0 && (kind == Kind::Sketch || walls[1] >= NAMED_SHARE * (walls[0] + walls[1])) {
         for (thing, votes) in scene.things.iter().zip(&votes) {
             let is_named = named.of(&drawing.entities[thing.entity as usize]).role != Role::Unknown;
-            if !is_named && likeliest(votes) == WALL {
+            let is_doubtful = !is_named
+                && likeliest(votes) == WALL
+                && (kind == Kind::Sketch || votes[WALL] < WALL_BESIDE_NAMED);
+            if is_doubtful {
                 let confidence = (1.0 - votes[WALL]) as f32;
                 out[thing.entity as usize] = Some(RoleSense { role: Role::Unknown, confidence });
             }
@@ -138,6 +142,12 @@ const PIECES_OF_PLANS: usize = 81;
 const BESIDE_WALLS: [usize; 2] = [DOOR, STAIR];
 /// See [`BESIDE_WALLS`].
 const BESIDE_WALLS_SURE: f64 = 0.5;
+/// Where so much of the length of the walls lies on layers that are named after walls, what no name calls anything is a
+/// wall from [`WALL_BESIDE_NAMED`] on.
+const NAMED_SHARE: f64 = 0.5;
+/// See [`NAMED_SHARE`].
+const WALL_BESIDE_NAMED: f64 = 0.9;
+
 /// Places of the classes in the table.
 const WALL: usize = 0;
 const WINDOW: usize = 1;
