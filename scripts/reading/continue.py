@@ -50,10 +50,11 @@ def load(path):
     return picks, trees, lgb.Booster(model_str=text)
 
 
-def append(old, picks, trees, model, out):
+def append(picks, trees, model, out, temper):
     """The old trees and the new ones as one table."""
-    table(model, open(out + ".new", "w"))
-    new = open(out + ".new").read().splitlines()[1:]
+    with open(out + ".new", "w") as f: table(model, f)
+    soft = lambda w: f"={float(w[1:]) / temper:.4g}" if w[0] == "=" else w
+    new = [" ".join(map(soft, line.split())) for line in open(out + ".new").read().splitlines()[1:]]
     os.remove(out + ".new")
     with open(out, "w") as f:
         f.write("classes " + " ".join(CLASSES) + "\nfeatures " + " ".join(map(str, picks)) + "\n")
@@ -85,6 +86,7 @@ def main():
     a.add_argument("--rounds", type=int, default=20); a.add_argument("--rate", type=float, default=0.1)
     a.add_argument("--most", type=int, default=1200, help="most pieces of a made plan")
     a.add_argument("--real", type=float, default=2, help="weight of a plan drawn by people")
+    a.add_argument("--temper", type=float, default=1, help="by this the new trees count less")
     a.add_argument("--without", nargs="*", default=[], help="authors that are left out, to be judged")
     o = a.parse_args()
     names = open(o.names).read().split()
@@ -96,7 +98,7 @@ def main():
         return -(w * np.log(np.maximum(p[np.arange(len(y)), y], 1e-9))).sum() / w.sum()
     model = lgb.train(PARAMS | dict(learning_rate=o.rate), lgb.Dataset(x, y, weight=w, init_score=start), o.rounds)
     print(f"{len(y)} pieces, loss {loss(start):.4f}, then {loss(start + model.predict(x, raw_score=True)):.4f}")
-    append(o.model, picks, trees, model, o.out)
+    append(picks, trees, model, o.out, o.temper)
 
 
 if __name__ == "__main__": main()
