@@ -804,7 +804,7 @@ def title(s, mix):
     for i, word in enumerate(("Index  Datum", "Plan-Nr. A-101", "M 1:100", "Grundriss / Floor plan", "Project")): s.text("title", (x1 - w * .97, y0 + h * (i + .3) / 5), h / 13, word)
     s.views.append(("title", s.bounds(start)))
 
-# ---- what looks like walls and is none
+# ---- what is taken for walls by mistake
 
 def along(room, rng, least=.8):
     """An edge of a room's outline: its start, its direction, the way inwards, its length."""
@@ -911,7 +911,7 @@ def floors(s, st, mix):
             for a, b in lines_in(room.buffer(-.01), step, t, s.rng): s.line("hatch", a, b)
 
 def filled(s, st, mix):
-    """Walls hatched line by line; some of them, as new walls are told from old ones."""
+    """Walls hatched line by line; in some drawings only the new ones."""
     turn = s.rng.choice((math.pi / 4, -math.pi / 4, 0)); step = s.rng.choice((.05, .08, .12)); share = s.rng.choice((.3, .6, 1)); n = 0
     for g in st.wall_polys:
         if s.rng.random() > share: continue

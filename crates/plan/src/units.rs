@@ -119,16 +119,18 @@ pub fn choose(drawing: &Drawing, user: Option<Unit>, walls: &[&Entity]) -> (Unit
     (UnitChoice { unit: likeliest, reason, is_assumed: true }, sense(&weighed))
 }
 
-/// The scale at which a plan that is drawn as large as its paper is printed: one that is written, else that which makes the
-/// leaves of its doors as wide as usual; if doors, walls and size are then those of a building.
+/// The scale at which a plan that is drawn as large as its paper is printed, of those that make a building of doors, walls
+/// and size: one that is written, else the one by which leaves are as wide as usual. Without doors the only one written.
 fn printed_at(seen: &Clues, unit: Unit) -> Option<f64> {
-    let leaves = seen.leaves();
-    let leaf_m = leaves.get(leaves.len() / 2).map(|l| l * unit.metres);
-    let off = |scale: &f64| leaf_m.map_or(0.0, |leaf_m| (leaf_m * scale / USUAL_LEAF_M).ln().abs());
     let is_building = |scale: &f64| unit::is_building(seen, unit.metres * scale);
+    let said: Vec<f64> = seen.scales.iter().copied().filter(is_building).collect();
+    let leaves = seen.leaves();
+    let Some(leaf_m) = leaves.get(leaves.len() / 2).map(|l| l * unit.metres) else {
+        return said.first().copied().filter(|_| said.len() == 1);
+    };
+    let off = |scale: &f64| (leaf_m * scale / USUAL_LEAF_M).ln().abs();
     let nearest = |all: &[f64]| all.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));
-    let said = nearest(&seen.scales).filter(is_building);
-    said.or_else(|| nearest(&scales(unit)).filter(is_building).filter(|_| leaf_m.is_some()))
+    nearest(&said).or_else(|| nearest(&scales(unit)).filter(is_building))
 }
 
 /// What a unit makes of what is drawn, in plain words.
@@ -180,8 +182,10 @@ mod tests {
             // What is written decides, where it makes a building.
             seen.scales = vec![scale * 1.2];
             assert_eq!(printed_at(&seen, unit(name)), Some(scale * 1.2));
-            seen.scales = vec![scale * 30.0];
-            assert_eq!(printed_at(&seen, unit(name)), None);
+            seen.scales = vec![scale, scale * 1.2];
+            assert_eq!(printed_at(&seen, unit(name)), None, "either");
+            seen.scales = vec![scale * 1.2, scale * 30.0];
+            assert_eq!(printed_at(&seen, unit(name)), Some(scale * 1.2), "the other makes none");
         }
     }
 }

@@ -14,6 +14,7 @@ use crate::write::maps::Map;
 use enfilade_cad::bearing;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Addition, Format, Mark, Shape, SourceRef, Vertex, place_in};
+use enfilade_cad::plane::box_of;
 use enfilade_config::Penalty;
 use enfilade_engine::Region;
 use enfilade_engine::geometry::{PointUm, Segment, Side, UM_PER_M, side_of_ring};
@@ -196,17 +197,12 @@ pub(crate) fn check_picture(base: &Understood, sensed: &Sensed, rooms: &[Room]) 
             OpeningKind::Door => StrokeKind::Door,
             OpeningKind::Window => StrokeKind::Window,
         };
-        let points = opening.jambs.map(|j| (j.at * scale).to_array()).to_vec();
-        let ground = uncut_ground(&base.plan, opening).filter(|_| kind != StrokeKind::Opening);
-        out.strokes.push(match ground {
-            Some(ring) => Stroke {
-                points: ring.map(|p| (p * scale).to_array()).to_vec(),
-                closed: true,
-                filled: true,
-                kind,
-            },
-            None => Stroke { points, closed: false, filled: false, kind },
-        });
+        // Where outlines of rooms touch, no wall stands between them.
+        let ground = uncut_ground(&base.plan, opening).filter(|_| opening.kind != OpeningKind::Passage);
+        let is_ground = ground.is_some();
+        let points = ground.map_or_else(|| opening.jambs.map(|j| j.at).to_vec(), |ring| ring.to_vec());
+        let points = points.into_iter().map(|p| (p * scale).to_array()).collect();
+        out.strokes.push(Stroke { points, closed: is_ground, filled: is_ground, kind });
     }
     let kind = |is_glass: bool| if is_glass { StrokeKind::Window } else { StrokeKind::Ignored };
     let left_out = base.left_out.iter();
@@ -226,10 +222,7 @@ fn uncut_ground(plan: &Plan, opening: &Opening) -> Option<[DVec2; 4]> {
     let [a, b] = opening.jambs.map(|j| j.at);
     let across = (b - a).try_normalize()?.perp();
     let faces = opening.through.iter().flat_map(|f| face_handles(plan, *f)).map(|h| handle_at(plan, h));
-    let [lo, hi] = faces.map(|p| (p - a).dot(across)).fold(None, |range: Option<[f64; 2]>, at| {
-        let [lo, hi] = range.unwrap_or([at, at]);
-        Some([lo.min(at), hi.max(at)])
-    })?;
+    let [lo, hi] = box_of(faces.map(|p| DVec2::new(0.0, (p - a).dot(across))))?.map(|p| p.y);
     (hi > lo).then(|| [a + across * lo, b + across * lo, b + across * hi, a + across * hi])
 }
 

@@ -83,19 +83,21 @@ pub fn is_imperial(text: &str) -> bool {
     marks.contains(['\'', '"']) && imperial(&marks).is_some()
 }
 
-/// Scales that a plan is printed at, as texts write them: `1:50` to `1:5000`.
-const SCALES: std::ops::RangeInclusive<f64> = 5.0..=5_000.0;
-
-/// How many metres a text says that one on paper stands for: `1:600`, `Scale 1 : 50`, `M=1:100`. The first that it names.
+/// How many metres a text says that one on paper stands for, whole and more than 1: `1:600`, `Scale 1 : 50`, `M=1:100`. The
+/// first that it names; a line that states an area (`Room 1: 12 m²`) names none.
 pub fn printed_scale(text: &str) -> Option<f64> {
+    text.lines().filter(|line| area_m2(line).is_none()).find_map(scale_in)
+}
+
+fn scale_in(line: &str) -> Option<f64> {
     let of = |(at, _): (usize, &str)| {
-        let before = text[..at].trim_end().strip_suffix('1')?;
+        let before = line[..at].trim_end().strip_suffix('1')?;
         let is_one = !before.ends_with(|c: char| c.is_ascii_digit() || ".,:/".contains(c));
-        let (scale, decimals, rest) = number(text[at + 1..].trim_start())?;
+        let (scale, decimals, rest) = number(line[at + 1..].trim_start())?;
         let is_whole = decimals == 0 && !rest.starts_with([':', '.', ',']);
-        (is_one && is_whole && SCALES.contains(&scale)).then_some(scale)
+        (is_one && is_whole && scale > 1.0).then_some(scale)
     };
-    text.match_indices(':').find_map(of)
+    line.match_indices(':').find_map(of)
 }
 
 /// Primes as ASCII marks, commas between digits as points.
@@ -217,9 +219,9 @@ mod tests {
             ("1:05", Some(5.0)),
             ("01:30:15", None),
             ("1:2.5", None),
-            ("1:4", None),
-            ("1:5001", None),
-            ("Room 1: 12 m²", Some(12.0)),
+            ("1:1", None),
+            ("Room 1: 12 m²", None),
+            ("Kitchen 1: 9 m²\nScale 1:20", Some(20.0)),
             ("no scale", None),
         ] {
             assert_eq!(printed_scale(text), expected, "{text}");

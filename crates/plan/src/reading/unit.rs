@@ -22,8 +22,6 @@ const TEMPER: f64 = 0.7;
 /// How many plans are drawn in the size of their paper, and how long that is at least, metres.
 const PRINTED_SHARE: f64 = 0.001;
 const PAPER_M: f64 = 0.05;
-/// How many are that small and say at which scale: nothing else is, and models at that scale say it too.
-const PRINTED_SAID_SHARE: f64 = 0.5;
 
 /// Of what is measured this share is taken to be something else, spread evenly over [`SPREAD`] powers of e.
 const OTHER: f64 = 0.15;
@@ -152,9 +150,10 @@ fn terms(clues: &Clues, said: Said, unit: Unit) -> [f64; CODES.len()] {
     if !is_paper {
         return plain;
     }
-    let usual = scales(unit).into_iter().filter(|_| !clues.leaves().is_empty());
-    let all = clues.scales.iter().map(|s| (*s, PRINTED_SAID_SHARE)).chain(usual.map(|s| (s, PRINTED_SHARE)));
-    let printed = all.map(|(scale, share)| {
+    // What is as small and says its scale is as likely printed as drawn so: its sizes decide.
+    let written = clues.scales.iter().map(|scale| (*scale, 1.0));
+    let listed = scales(unit).into_iter().filter(|_| !clues.leaves().is_empty());
+    let printed = written.chain(listed.map(|scale| (scale, PRINTED_SHARE))).map(|(scale, share)| {
         let mut terms = terms_at(clues, said, unit, scale);
         terms[CODES.len() - 1] += share.ln();
         terms
