@@ -3,7 +3,7 @@
     draw_plans.py cut THINGS IFC...          storeys of IFC models cut at plan height by IfcOpenShell: THINGS/NAME-N.json
     draw_plans.py dxf THINGS FOLDER...       the same from folders that ifc_plans.py has drawn (from their named.dxf)
     draw_plans.py plans THINGS OUT NAME...   four plain styles and the truth: OUT/NAME/{named,one,numbered,blocks}.{dxf,json}, truth.dxf
-    draw_plans.py vary THINGS OUT SEED COUNT NAME...   COUNT mixed styles with the noise of real sheets: OUT/NAME-K/plan.{dxf,json}, truth.dxf
+    draw_plans.py vary THINGS OUT SEED COUNT NAME...   COUNT mixed styles with the noise of real sheets: OUT/NAME-K/{plan.dxf,plan.json,openings.json}, truth.dxf
     draw_plans.py hard THINGS OUT SEED COUNT NAME...   the same, most on one layer and with what looks like walls
 
 The label file: {unit_m, views: [{kind, box}], labels: {handle: class}}, blocks' entities included. Drawings must not be committed.
@@ -1050,6 +1050,8 @@ def vary(things_dir, out, seed, count, names, hard=False):
             folder = f"{out}/{name}-{n}"; os.makedirs(folder, exist_ok=True)
             world = s.write(f"{folder}/plan.dxf", k, turn, offset, said, rng.choice(("R2000", "R2007", "R2010", "R2013")), st.footprint if query else ())
             json.dump({"mix": mix, "layers": hand.kind, "lang": hand.lang, "unit": unit, "insunits": said, "turn": turn, "zero": s.zero}, open(f"{folder}/mix.json", "w"))
+            gaps_ = [("door", d["gap"]) for d in st.doors if d["gap"]] + [("window", g) for g in st.windows]
+            json.dump([{"kind": what, "at": world(g[0]), "width_m": g[2]} for what, g in gaps_], open(f"{folder}/openings.json", "w"))
             if query:
                 t = doc(code)
                 for r in st.footprint: polyline(t.modelspace(), [world(p) for p in r.exterior.coords][:-1], True, "EF-QUERY")

@@ -15,11 +15,14 @@ const LEAF_M: [f64; 2] = [0.55, 1.3];
 /// Thickest leaf, metres.
 const THICK_M: f64 = 0.07;
 
-/// Ends nearer than this meet, metres: what a frame or a slip of the hand leaves between them.
+/// Ends nearer than this meet, metres: what a slip of the hand leaves between them.
 const AT_M: f64 = 0.03;
 
-/// A leaf is as long as its gap is wide, but for what the frame takes, metres.
-const WIDTH_M: f64 = 0.06;
+/// What a frame takes of a gap on each side at most, metres: a leaf hangs at it, and is as much shorter.
+const JAMB_M: f64 = 0.09;
+
+/// Corners of a slip that is drawn by lines are closed up to this, metres.
+const CORNER_M: f64 = 0.004;
 
 /// How far a leaf stands open, radians.
 const OPEN_RAD: [f64; 2] = [0.4, 2.0];
@@ -93,13 +96,13 @@ impl Pieces {
     /// Where a leaf closes: at the other jamb of the gap that begins at its hinge.
     fn tip(&self, hinge: DVec2, end: DVec2, own: usize) -> Option<DVec2> {
         let length = hinge.distance(end);
-        let jambs = self.walls(hinge - AT_M, hinge + AT_M, own);
-        let outs = jambs.filter_map(|s| out_of(s, hinge, AT_M));
+        let jambs = self.walls(hinge - JAMB_M, hinge + JAMB_M, own);
+        let outs = jambs.filter_map(|s| out_of(s, hinge, JAMB_M));
         outs.into_iter().find_map(|out| {
             let open = out.angle_to(end - hinge).abs();
             let at = hinge + out * length;
-            let faces = self.walls(at - WIDTH_M, at + WIDTH_M, own);
-            let goes_on = faces.filter_map(|s| out_of(s, at, WIDTH_M)).any(|back| back.dot(out) < -ALONG_COS);
+            let faces = self.walls(at - JAMB_M, at + JAMB_M, own);
+            let goes_on = faces.filter_map(|s| out_of(s, at, JAMB_M)).any(|back| back.dot(out) < -ALONG_COS);
             let is_leaf = (OPEN_RAD[0]..=OPEN_RAD[1]).contains(&open) && goes_on;
             (is_leaf && self.is_clear(hinge + out * FRAME_M, at - out * FRAME_M, own)).then_some(at)
         })
@@ -117,9 +120,39 @@ impl Pieces {
     }
 }
 
+/// Slips that are drawn by lines of their own, four each: the places of these among `lines`, and the corners in order, the
+/// first line between the first two.
+pub(super) fn slips(lines: &[[DVec2; 2]]) -> Vec<([usize; 4], [DVec2; 4])> {
+    let mut near = Buckets::new(0.25);
+    lines.iter().enumerate().for_each(|(i, s)| near.add(i as u32, s));
+    let length = |s: [DVec2; 2]| s[0].distance(s[1]);
+    // The other end of a line that ends here, and which it is.
+    let on = |at: DVec2, reach: [f64; 2], but: usize| {
+        let ending = near.near(at, at).into_iter().map(|i| i as usize).filter(move |i| *i != but);
+        ending.filter(move |i| (reach[0]..=reach[1]).contains(&length(lines[*i]))).filter_map(move |i| {
+            let [a, b] = lines[i];
+            let meets = |p: DVec2| p.distance(at) <= CORNER_M;
+            if meets(a) { Some((i, b)) } else { meets(b).then_some((i, a)) }
+        })
+    };
+    let edge = [CORNER_M, THICK_M];
+    let mut out = Vec::new();
+    for (first, [a, b]) in
+        lines.iter().copied().enumerate().filter(|(_, s)| (LEAF_M[0]..=LEAF_M[1]).contains(&length(*s)))
+    {
+        let found = on(b, edge, first).find_map(|(second, c)| {
+            let (third, d) = on(c, LEAF_M, first).find(|(_, d)| d.distance(a) <= THICK_M + CORNER_M)?;
+            let (fourth, _) = on(d, edge, third).find(|(_, e)| e.distance(a) <= CORNER_M)?;
+            (first < third).then_some(([first, second, third, fourth], [a, b, c, d]))
+        });
+        out.extend(found);
+    }
+    out
+}
+
 /// Whether a piece runs from where a leaf stands open to where it closes: its swing, drawn straight.
 fn is_chord(piece: [DVec2; 2], [end, tip]: [DVec2; 2]) -> bool {
-    let meets = |[p, q]: [DVec2; 2]| p.distance(end) <= AT_M && q.distance(tip) <= WIDTH_M;
+    let meets = |[p, q]: [DVec2; 2]| p.distance(end) <= AT_M && q.distance(tip) <= JAMB_M;
     meets(piece) || meets([piece[1], piece[0]])
 }
 
@@ -178,8 +211,8 @@ mod tests {
             ([2.0, 0.1, 2.0, 1.0], Some([20, 90])),
             ([2.9, 1.0, 2.9, 0.1], Some([29, 90])),
             ([2.0, 0.0, 2.0 + slanting, -slanting], Some([20, 45])),
-            ([2.0, 0.1, 2.0, 1.0 + WIDTH_M + 0.02], None),
-            ([2.0, 0.1, 2.0, 0.9 - WIDTH_M], None),
+            ([2.0, 0.1, 2.0, 1.0 + JAMB_M + 0.02], None),
+            ([2.0, 0.1, 2.0, 0.9 - JAMB_M], None),
             ([2.0, 0.1, 2.89, 0.2], None),
             ([1.5, 0.1, 1.5, 1.0], None),
         ] {

@@ -6,9 +6,10 @@ use std::collections::BTreeSet;
 use glam::DVec2;
 
 use super::Plan;
-use super::axes::{AxisGraph, FaceRef, Jamb, Opening, OpeningKind};
+use super::axes::{AxisGraph, FaceRef, Jamb, Opening, OpeningKind, Shown};
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::Shape;
+use enfilade_cad::plane::ring_area;
 use enfilade_report::counted;
 
 /// Share of all wall pieces, by length, that outlines of rooms have in a drawing of rooms.
@@ -39,6 +40,16 @@ struct Piece {
     face: FaceRef,
     a: DVec2,
     b: DVec2,
+    /// Whether the room lies to the left of it.
+    is_left: bool,
+}
+
+impl Piece {
+    /// The unit normal into the room.
+    fn inward(&self) -> DVec2 {
+        let left = (self.b - self.a).normalize_or_zero().perp();
+        if self.is_left { left } else { -left }
+    }
 }
 
 /// Adds the openings where room outlines touch. Nothing is added where rooms share their lines, because
@@ -97,11 +108,12 @@ fn pieces(plan: &Plan) -> Vec<Piece> {
     for w in rings {
         let Shape::Polyline { vertices, .. } = &plan.walls[w].shape else { continue };
         let points = control_points(&plan.walls[w].shape);
+        let is_left = ring_area(&points) > 0.0;
         for (k, v) in vertices.iter().enumerate().filter(|(_, v)| v.bulge == 0.0) {
             let next = points[(k + 1) % points.len()];
             let [a, b] = [v.at, next].map(|p| plan.frame.plan_from_file(p) / plan.human_scale);
             if a.distance(b) >= WIDTH_M[0] {
-                out.push(Piece { face: (w as u32, k as u32), a, b });
+                out.push(Piece { face: (w as u32, k as u32), a, b, is_left });
             }
         }
     }
@@ -113,7 +125,10 @@ fn touching(p: &Piece, q: &Piece, reach: f64) -> Option<Opening> {
     let (s0, s1) = (along.dot(q.a - p.a), along.dot(q.b - p.a));
     let (from, to) = (s0.min(s1).max(0.0), s0.max(s1).min(p.a.distance(p.b)));
     let (u, v) = (along.perp_dot(q.a - p.a), along.perp_dot(q.b - p.a));
-    let is_near = u.abs().max(v.abs()) <= reach && (u - v).abs() <= PARALLEL_SIN * (s1 - s0).abs();
+    // One inside the other are not two rooms: the finish of a wall in its outline.
+    let is_outside = p.inward().dot(q.inward()) < 0.0;
+    let is_near =
+        is_outside && u.abs().max(v.abs()) <= reach && (u - v).abs() <= PARALLEL_SIN * (s1 - s0).abs();
     if !is_near || !(WIDTH_M[0]..=WIDTH_M[1]).contains(&(to - from)) {
         return None;
     }
@@ -125,7 +140,7 @@ fn touching(p: &Piece, q: &Piece, reach: f64) -> Option<Opening> {
         width_m: to - from,
         thickness_m: f64::midpoint(u, v).abs(),
         jambs: [jamb(from), jamb(to)],
-        evidence: "the outlines of two rooms touch here".into(),
+        shown: Shown::Rooms,
         marks: Vec::new(),
         faces: Vec::new(),
         through: vec![p.face, q.face],

@@ -17,6 +17,7 @@ use super::hidden::Hidden;
 use super::leaves;
 use super::parallels::Straight;
 use super::paving;
+use super::reading::Names;
 use super::rooms;
 use super::rounds;
 use enfilade_cad::curve::{control_point, control_points};
@@ -135,11 +136,13 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     let others: Vec<(usize, &Entity, Vec<Path>)> =
         others.map(|(i, e)| (i, e, swing_or(paths_of(&e.shape, place)))).collect();
     let leaves = leaves_alone(plan, &out.faces, &others);
+    let mut names = Names::default();
     for (i, entity, paths) in others {
         let paths = leaves.get(&i).map_or(paths, |swing| vec![*swing]);
-        if let Some((role, word)) = mark_role(plan, i, entity, &paths) {
+        if let Some(role) = mark_role(plan, i, &paths) {
             let group = walls.fitting_block(entity).map_or(i, |record| drawing.entities.len() + record);
-            out.marks.push(Mark { paths, role, group: group as u32, word });
+            let is_named = mark_role_of(names.of(entity).role) == Some(role);
+            out.marks.push(Mark { paths, role, group: group as u32, is_named });
             marked.push(i);
         }
     }
@@ -149,7 +152,7 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     for (k, (path, role, entity)) in plan.decided_fills().enumerate() {
         // Numbers beyond those of all entities and blocks.
         let group = (drawing.entities.len() + records + 1 + k) as u32;
-        out.marks.push(Mark { paths: vec![path], role, group, word: drawing.entities[entity].layer.clone() });
+        out.marks.push(Mark { paths: vec![path], role, group, is_named: true });
         marked.push(entity);
     }
     (out, marked)
@@ -170,6 +173,11 @@ fn leaves_alone(
     let of_walls = faces.iter().flat_map(|f| lines(&f.path, usize::MAX, true));
     let beside = others.iter().flat_map(|(i, _, paths)| paths.iter().map(move |p| (*i, p)));
     let beside = beside.filter(|(_, p)| matches!(p, Path::Line { .. })).flat_map(|(i, p)| lines(p, i, false));
+    let may_hang: Vec<&(usize, &Entity, Vec<Path>)> =
+        others.iter().filter(|o| may_be_leaf(plan.reading.role(o.0))).collect();
+    let (slips, whole) = drawn_by_lines(&may_hang);
+    let whole_of = |i: usize| whole.get(&i).copied().unwrap_or(i);
+    let beside = beside.map(|p| leaves::Piece { thing: whole_of(p.thing), ..p });
     let pieces = leaves::Pieces::new(of_walls.chain(beside));
     let drawn: Vec<&Path> = others.iter().flat_map(|o| &o.2).filter(|p| is_swing(p)).collect();
     let is_like = |p: &Path, q: &Path| match (p, q) {
@@ -178,9 +186,29 @@ fn leaves_alone(
         }
         _ => false,
     };
-    let may_hang = others.iter().filter(|o| may_be_leaf(plan.reading.role(o.0)));
-    let swings = may_hang.filter_map(|(i, _, paths)| Some((*i, pieces.swing(paths, *i)?)));
+    let alone = may_hang.iter().filter(|(i, ..)| !whole.contains_key(i)).map(|(i, _, paths)| (*i, paths));
+    let all = alone.chain(slips.iter().map(|(i, paths)| (*i, paths)));
+    let swings = all.filter_map(|(i, paths)| Some((i, pieces.swing(paths, i)?)));
     swings.filter(|(_, swing)| !drawn.iter().any(|p| is_like(p, swing))).collect()
+}
+
+/// Leaves drawn as slips of four lines, by the entity of the first, and for each of their entities which that is.
+fn drawn_by_lines(
+    all: &[&(usize, &Entity, Vec<Path>)],
+) -> (BTreeMap<usize, Vec<Path>>, BTreeMap<usize, usize>) {
+    let line = |(i, _, paths): &&(usize, &Entity, Vec<Path>)| match paths[..] {
+        [Path::Line { a, b }] => Some((*i, [a, b])),
+        _ => None,
+    };
+    let (entities, lines): (Vec<usize>, Vec<[DVec2; 2]>) = all.iter().filter_map(line).unzip();
+    let (mut slips, mut whole) = (BTreeMap::new(), BTreeMap::new());
+    for (of, ring) in leaves::slips(&lines) {
+        let first = entities[of[0]];
+        let side = |k: usize| Path::Line { a: ring[k], b: ring[(k + 1) % ring.len()] };
+        slips.insert(first, (0..ring.len()).map(side).collect());
+        whole.extend(of.map(|k| (entities[k], first)));
+    }
+    (slips, whole)
 }
 
 /// Whether what was taken for this may be a leaf without its swing.
@@ -408,18 +436,22 @@ fn is_swing(path: &Path) -> bool {
 }
 
 /// What an entity says about an opening: by what it was taken for, else by its shape.
-pub(super) fn mark_role(plan: &Plan, i: usize, entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
+fn mark_role(plan: &Plan, i: usize, paths: &[Path]) -> Option<Role> {
     let role = plan.reading.role(i);
-    match role {
-        roles::Role::Door => return Some((Role::Door, entity.layer.clone())),
-        roles::Role::Window | roles::Role::Glazing => return Some((Role::Window, entity.layer.clone())),
-        _ => {}
-    }
     let tells = |p: &Path| match p {
         Path::Arc { .. } => is_swing(p),
         Path::Line { .. } => role == roles::Role::Unknown,
     };
-    paths.iter().any(tells).then(|| (Role::Unknown, String::new()))
+    mark_role_of(role).or_else(|| paths.iter().any(tells).then_some(Role::Unknown))
+}
+
+/// What a part of a door or a window is among the marks.
+fn mark_role_of(role: roles::Role) -> Option<Role> {
+    match role {
+        roles::Role::Door => Some(Role::Door),
+        roles::Role::Window | roles::Role::Glazing => Some(Role::Window),
+        _ => None,
+    }
 }
 
 /// The thick straight walls of an axis graph, and its columns that are drawn by single lines. What another wall's joint

@@ -6,18 +6,20 @@ use super::axis::Spare;
 use super::carrier::Carrier;
 use super::near::Buckets;
 use super::spans::{self, Span};
-use super::tolerances::{BOTH_WAYS_RAD, ERROR_GAP_M, LEAF_M, PASSAGE_MAX_M, SWING_MAX_RAD};
-use super::{Drawn, Mark, OpeningKind, Path, Role};
+use super::tolerances::{BOTH_WAYS_RAD, COLLINEAR_M, ERROR_GAP_M, LEAF_M, PASSAGE_MAX_M, SWING_MAX_RAD};
+use super::{Drawn, Mark, OpeningKind, Path, Role, Shown};
 use enfilade_cad::plane::is_inside_ring;
 
 /// How far beside the wall's faces something still lies in an opening.
 pub const BESIDE_M: f64 = 0.06;
-/// What is said of a window that nothing but lines show.
-pub const PANES: &str = "lines along the wall between its jambs";
 /// How far from a jamb a door leaf may turn.
 const HINGE_M: f64 = 0.15;
 /// Share of the gap that a window line runs along.
 const PANE_COVER: f64 = 0.6;
+/// Shares of the gap that one of two or three sashes takes, and that they take together.
+const SASH_SHARE: [f64; 2] = [0.3, 0.7];
+/// See [`SASH_SHARE`].
+const SASHES_COVER: f64 = 0.8;
 /// How far beside a wall's axis, beyond half its thickness, the ends of folded leaves stand.
 const FOLDED_M: f64 = 0.1;
 /// Share of the gap that the leaves of a folding door reach along, on one side of it.
@@ -75,7 +77,7 @@ impl<'a> Evidence<'a> {
         }
         for m in self.bay(&around, &band) {
             seen.window_spans.push(gap);
-            seen.window.get_or_insert(self.drawn.marks[m as usize].word.clone());
+            seen.window = seen.window.max(Some(self.drawn.marks[m as usize].is_named));
             seen.marks.push(m);
         }
         seen.marks.sort_unstable();
@@ -85,7 +87,7 @@ impl<'a> Evidence<'a> {
             let path = path_of(spare);
             let is_swing = band.has_swing(&path);
             seen.swing |= is_swing;
-            seen.panes |= band.has_pane(&path) && !spare.is_cap;
+            seen.panes |= band.has_pane(&path, ERROR_GAP_M) && !spare.is_cap;
             if is_swing || (!spare.is_cap && band.holds(&path)) {
                 seen.faces.extend(&spare.faces);
             }
@@ -189,12 +191,14 @@ impl Band {
             && self.carrier.offset_of(p).abs() <= self.half + BAY_AT_M
     }
 
-    /// Whether the middle of a piece lies in the gap.
+    /// Whether the middle of a piece lies in the gap, or just beside the wall's faces. Just beyond a jamb lies what fills the
+    /// next gap: its frame.
     fn holds(&self, path: &Path) -> bool {
         let points = trace(path);
         let n = points.len() / 2;
         let middle = if points.len() == 2 { points[0].midpoint(points[1]) } else { points[n] };
-        self.has(middle, ERROR_GAP_M)
+        let s = self.carrier.s_of(middle);
+        self.has(middle, ERROR_GAP_M) && (self.gap[0]..=self.gap[1]).contains(&s)
     }
 
     /// Whether a piece lies on a jamb, across the wall: it closes a window beside the gap as well as one in it.
@@ -211,10 +215,10 @@ impl Band {
         spans::overlap([from, to], self.gap)
     }
 
-    /// A line along the wall through most of the gap.
-    fn has_pane(&self, path: &Path) -> bool {
+    /// A line along the wall through most of the gap, at most `beside` its faces.
+    fn has_pane(&self, path: &Path, beside: f64) -> bool {
         let ends = path.ends();
-        if ends.iter().any(|e| self.carrier.offset_of(*e).abs() > self.half + ERROR_GAP_M) {
+        if ends.iter().any(|e| self.carrier.offset_of(*e).abs() > self.half + beside) {
             return false;
         }
         let s = ordered(self.carrier.s_of(ends[0]), self.carrier.s_of(ends[1]));
@@ -223,6 +227,15 @@ impl Band {
         is_straight
             && shared >= PANE_COVER * spans::length(self.gap)
             && spans::length(s) < 1.6 * spans::length(self.gap)
+    }
+
+    /// What a sash reaches along the gap: a line along the wall, over about half of it.
+    fn sash(&self, path: &Path) -> Option<Span> {
+        let Path::Line { a, b } = *path else { return None };
+        let is_within = [a, b].iter().all(|p| self.carrier.offset_of(*p).abs() <= self.half + COLLINEAR_M);
+        let gap_m = spans::length(self.gap);
+        let reach = self.reach_of(path).filter(|_| is_within)?;
+        (SASH_SHARE[0] * gap_m..=SASH_SHARE[1] * gap_m).contains(&spans::length(reach)).then_some(reach)
     }
 
     /// An arc about a hinge at a jamb that closes the gap, alone or with its twin.
@@ -249,13 +262,17 @@ impl Band {
 pub struct Seen {
     pub swing: bool,
     gap_m: f64,
-    door: Option<String>,
+    /// Whether parts of doors lie in it, and whether names call them so.
+    door: Option<bool>,
     /// What parts of doors reach along the gap.
     door_spans: Vec<Span>,
-    window: Option<String>,
+    /// The same of windows.
+    window: Option<bool>,
     /// What windows reach along the gap.
     window_spans: Vec<Span>,
     panes: bool,
+    /// What pieces along the wall that are sashes by their length reach along the gap.
+    sash_spans: Vec<Span>,
     /// Indices of [`Drawn::marks`] that belong to the opening.
     pub marks: Vec<u32>,
     /// Indices of [`Drawn::faces`] that lie in it.
@@ -295,7 +312,9 @@ impl Seen {
         };
         let inside = mark.paths.iter().any(|p| band.holds(p) || closes(p))
             || mark.role == Role::Door && (folds(mark, band) || encloses(mark, band));
-        let panes = mark.paths.iter().any(|p| band.has_pane(p));
+        // Outlines of rooms and furniture run just beside a wall's faces.
+        let panes = mark.paths.iter().any(|p| band.has_pane(p, COLLINEAR_M));
+        self.sash_spans.extend(mark.paths.iter().filter_map(|p| band.sash(p)));
         let shows_window = mark.paths.iter().any(|p| band.holds(p) && !band.is_on_jamb(p));
         self.swing |= swing;
         if mark.role == Role::Door && (inside || swing) {
@@ -305,8 +324,10 @@ impl Seen {
             self.window_spans.extend(mark.paths.iter().filter_map(|p| band.reach_of(p)));
         }
         match mark.role {
-            Role::Door if inside || swing => self.door.get_or_insert(mark.word.clone()),
-            Role::Window | Role::Glazing if shows_window => self.window.get_or_insert(mark.word.clone()),
+            Role::Door if inside || swing => self.door = self.door.max(Some(mark.is_named)),
+            Role::Window | Role::Glazing if shows_window => {
+                self.window = self.window.max(Some(mark.is_named));
+            }
             Role::Unknown if panes => {
                 self.panes = true;
                 return true;
@@ -316,32 +337,29 @@ impl Seen {
         true
     }
 
-    /// What the opening is, and why.
-    pub fn verdict(&self) -> (OpeningKind, String) {
-        let with = |what: &str, word: &str| {
-            if word.is_empty() { what.to_string() } else { format!("{what}: {word}") }
-        };
+    /// What the opening is, and what shows it.
+    pub fn verdict(&self) -> (OpeningKind, Shown) {
+        let by = |is_named: bool| if is_named { Shown::Name } else { Shown::Shape };
         let reach_m = |of: &Vec<Span>| -> f64 {
             spans::joined(of.clone(), ERROR_GAP_M).into_iter().map(spans::length).sum()
         };
-        let doors_m = reach_m(&self.door_spans);
-        if let Some(word) = self.door.as_ref().filter(|_| self.swing || doors_m >= DOOR_COVER * self.gap_m) {
-            return (
-                OpeningKind::Door,
-                with(if self.swing { "door swing and layer or block" } else { "layer or block" }, word),
-            );
-        }
         if self.swing {
-            return (OpeningKind::Door, "door swing".into());
+            return (OpeningKind::Door, Shown::Swing);
+        }
+        let doors_m = reach_m(&self.door_spans);
+        if let Some(is_named) = self.door.filter(|_| doors_m >= DOOR_COVER * self.gap_m) {
+            return (OpeningKind::Door, by(is_named));
         }
         // Beyond the end of a wide gap another wall may begin that has nothing to do with the window.
         let is_filled = self.gap_m <= PASSAGE_MAX_M || reach_m(&self.window_spans) >= PANE_COVER * self.gap_m;
-        if let Some(word) = self.window.as_ref().filter(|_| is_filled) {
-            return (OpeningKind::Window, with("layer or block", word));
+        let has_sashes = reach_m(&self.sash_spans) >= SASHES_COVER * self.gap_m;
+        if let Some(is_named) = self.window.filter(|_| is_filled) {
+            let shown = if has_sashes && !is_named { Shown::Sashes } else { by(is_named) };
+            return (OpeningKind::Window, shown);
         }
         if self.panes {
-            return (OpeningKind::Window, PANES.into());
+            return (OpeningKind::Window, if has_sashes { Shown::Sashes } else { Shown::Panes });
         }
-        (OpeningKind::Passage, "nothing is drawn in the gap".into())
+        (OpeningKind::Passage, Shown::Nothing)
     }
 }

@@ -152,8 +152,8 @@ pub struct Mark {
     pub role: Role,
     /// Marks of one block insert have one number; others have numbers of their own.
     pub group: u32,
-    /// Layer or block name that gave the role, for the report; empty if none did.
-    pub word: String,
+    /// Whether the name of its layer or block gave the role.
+    pub is_named: bool,
 }
 
 /// What a plan is understood from.
@@ -307,6 +307,25 @@ pub enum OpeningKind {
     Passage,
 }
 
+/// What shows the kind of an opening.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// The name of a layer or block.
+    Name,
+    /// The swing of a leaf.
+    Swing,
+    /// What its parts are taken for, by their shape alone.
+    Shape,
+    /// Lines along the wall between its jambs.
+    Panes,
+    /// Sashes along the wall, each over a part of its width.
+    Sashes,
+    /// Nothing is drawn in it.
+    Nothing,
+    /// The outlines of two rooms touch there.
+    Rooms,
+}
+
 /// A gap in a wall that is meant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opening {
@@ -320,8 +339,8 @@ pub struct Opening {
     pub thickness_m: f64,
     /// The two jambs.
     pub jambs: [Jamb; 2],
-    /// Why it is of this kind, in plain words.
-    pub evidence: String,
+    /// What shows its kind.
+    pub shown: Shown,
     /// Indices of the [`Mark`]s that belong to it and move with it, ascending.
     pub marks: Vec<u32>,
     /// Drawn wall pieces that lie in it: sills and panes on the wall layer.

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::assembly::Axes;
 use super::axis::Axis;
-use super::evidence::{BESIDE_M, Evidence, PANES, ordered, trace};
+use super::evidence::{BESIDE_M, Evidence, ordered, trace};
 use super::joints::{FreeEnd, Joined};
 use super::near::Buckets;
 use super::spans::{self, Span};
@@ -65,7 +65,7 @@ pub fn find(drawn: &Drawn, all: &Axes, joined: &Joined, out: &mut AxisGraph) {
     }
     found.extend(swings::find(&scene.evidence, out, &found));
     found.sort_by(|a, b| a.centre.x.total_cmp(&b.centre.x).then(a.centre.y.total_cmp(&b.centre.y)));
-    shell::tell_sliding_doors(drawn, &mut found, |o| o.evidence == PANES);
+    shell::tell_sliding_doors(drawn, &mut found);
     for o in &found {
         if o.kind == OpeningKind::Window {
             out.see_through.extend(&o.faces);
@@ -212,7 +212,7 @@ impl<'a> Scene<'a> {
         let s1 = s0 + if f.end == 1 { to.width } else { -to.width };
         let gap = ordered(s0, s1);
         let seen = self.evidence.look(&a.carrier, a.thickness, gap);
-        let (kind, evidence) = seen.verdict();
+        let (kind, shown) = seen.verdict();
         let limit = match (kind, to.other) {
             (OpeningKind::Passage, Some(_)) if to.is_square => PASSAGE_MAX_M,
             (OpeningKind::Passage, Some(_)) => 0.0,
@@ -244,7 +244,7 @@ impl<'a> Scene<'a> {
                 Jamb { at: self.graph.nodes[f.node as usize].at, node: Some(f.node), edge: None },
                 to.jamb,
             ],
-            evidence,
+            shown,
             marks: seen.marks,
             faces: self.drawn.refs(&seen.faces),
             through: self.drawn.refs(&through),

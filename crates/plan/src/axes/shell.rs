@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::evidence::trace;
 use super::near::Buckets;
-use super::{Drawn, Opening, OpeningKind};
+use super::{Drawn, Opening, OpeningKind, Shown};
 
 /// How far from a wall's face the place beside it lies.
 const BESIDE_M: f64 = 0.35;
@@ -78,11 +78,12 @@ pub fn cross(a: DVec2, b: DVec2, [c, d]: [DVec2; 2]) -> bool {
     side(a, b, c) != side(a, b, d) && side(c, d, a) != side(c, d, b)
 }
 
-/// Of openings that lines along the wall alone make windows (`is_unsure`), those in inner walls with rooms on
-/// both sides are sliding or folding doors.
+/// Of windows that no name calls so, sashes with rooms on both sides are sliding or folding doors; so are other lines along
+/// the wall if the wall is an inner one.
 ///
 /// Inner walls are thinner than most of those with windows to the outside; where there is no such window, all are.
-pub fn tell_sliding_doors(drawn: &Drawn, openings: &mut [Opening], is_unsure: impl Fn(&Opening) -> bool) {
+pub fn tell_sliding_doors(drawn: &Drawn, openings: &mut [Opening]) {
+    let is_unsure = |o: &Opening| matches!(o.shown, Shown::Panes | Shown::Sashes);
     let windows: Vec<usize> =
         (0..openings.len()).filter(|i| openings[*i].kind == OpeningKind::Window).collect();
     if !windows.iter().any(|i| is_unsure(&openings[*i])) {
@@ -96,11 +97,9 @@ pub fn tell_sliding_doors(drawn: &Drawn, openings: &mut [Opening], is_unsure: im
     let outer_m = outer.get(outer.len() / 2).copied().unwrap_or(f64::MAX);
     for (i, is_between) in windows.into_iter().zip(between) {
         let o = &mut openings[i];
-        if is_between && is_unsure(o) && o.thickness_m < outer_m - THINNER_M {
+        let is_inner = o.shown == Shown::Sashes || o.thickness_m < outer_m - THINNER_M;
+        if is_between && is_unsure(o) && is_inner {
             o.kind = OpeningKind::Door;
-            o.evidence =
-                "lines along the wall between its jambs, rooms on both sides: a sliding or folding door"
-                    .into();
         }
     }
 }

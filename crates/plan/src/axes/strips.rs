@@ -33,8 +33,8 @@ const LAYER_EVEN_M: f64 = 0.006;
 const CONCENTRIC_M: f64 = 0.06;
 /// A stub of wall is at least this long for its thickness.
 const STUB_ASPECT: f64 = 0.2;
-/// No strip is shorter.
-const SHORTEST_M: f64 = 0.01;
+/// No strip is shorter as well as thinner: the steps of a reveal with its finish are no walls.
+const SMALLEST_M: f64 = 0.1;
 /// The thinnest strip between two lines by themselves: a pane.
 const PANE_MIN_M: f64 = 0.006;
 /// The shortest pane.
@@ -246,6 +246,7 @@ impl<'a> Choice<'a> {
     fn order(&self) -> Vec<usize> {
         let may_be_wall =
             |c: &Cell| c.t >= THICKNESS_MIN_M && (c.t <= THICKNESS_USUAL_M || self.share(c.t) >= THICK_SHARE);
+        let may_be_wall = |c: &Cell| may_be_wall(c) && !self.is_finish(c);
         let mut out: Vec<usize> = (0..self.cells.len()).filter(|c| may_be_wall(&self.cells[*c])).collect();
         let key = |c: usize| {
             let cell = &self.cells[c];
@@ -257,6 +258,29 @@ impl<'a> Choice<'a> {
             key(*a).cmp(&key(*b)).then(longer).then(a.cmp(b))
         });
         out
+    }
+
+    /// Whether a thin cell is the finish of a wall that has the same on its other side: then neither is a wall by itself.
+    fn is_finish(&self, c: &Cell) -> bool {
+        let overlaps = |from: u32, span: Span, to: &Cell| {
+            spans::overlap(self.on(from, span, to.runs[0]), to.span).is_some()
+        };
+        let beyond = |c: &Cell, k: usize| self.beside[c.runs[k] as usize][1 - c.side[k]].iter();
+        let cell = |d: &u32| &self.cells[*d as usize];
+        let has_twin = |core: &Cell, k: usize| {
+            beyond(core, k)
+                .map(cell)
+                .any(|e| (e.t - c.t).abs() < LAYER_EVEN_M && overlaps(core.runs[0], core.span, e))
+        };
+        c.t <= FINISH_MAX_M
+            && (0..2).any(|k| {
+                let cores = beyond(c, k).map(cell).filter(|d| d.t > c.t && d.t <= THICKNESS_USUAL_M);
+                cores.filter(|d| overlaps(c.runs[0], c.span, d)).any(|d| {
+                    // On from the core's other side.
+                    let far = usize::from(d.runs[0] == c.runs[k]);
+                    has_twin(d, far)
+                })
+            })
     }
 
     /// A span of the first run on another run.
@@ -280,7 +304,7 @@ impl<'a> Choice<'a> {
             return;
         }
         for span in self.open(&cell) {
-            if is_as_long(span, aspect * cell.t) && spans::length(span) >= SHORTEST_M {
+            if is_as_long(span, aspect * cell.t) && spans::length(span).max(cell.t) >= SMALLEST_M {
                 self.make(&cell, span);
             }
         }

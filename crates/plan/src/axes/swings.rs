@@ -10,7 +10,7 @@ use super::carrier::Carrier;
 use super::evidence::{Evidence, tips, trace};
 use super::near::Buckets;
 use super::tolerances::{LEAF_M, OPENING_MIN_M, SWING_MAX_RAD};
-use super::{AxisGraph, Drawn, Edge, Jamb, NodeKind, Opening, OpeningKind, Path};
+use super::{AxisGraph, Drawn, Edge, Jamb, NodeKind, Opening, OpeningKind, Path, Shown};
 use enfilade_cad::curve::bulge_arc;
 use enfilade_cad::plane::{distance_to_segment, is_inside_ring};
 
@@ -88,20 +88,20 @@ pub fn find(evidence: &Evidence<'_>, graph: &AxisGraph, found: &[Opening]) -> Ve
     };
     for (a, b) in twins(&leaves) {
         if !claimed.contains(&a.mark) && !claimed.contains(&b.mark) {
-            take(scene.door([a.hinge, b.hinge], &[a.mark, b.mark], "leaves that meet"), &mut claimed);
+            take(scene.door([a.hinge, b.hinge], &[a.mark, b.mark]), &mut claimed);
         }
     }
     for of_arc in leaves.chunk_by(|a, b| a.mark == b.mark && a.hinge == b.hinge) {
         if claimed.contains(&of_arc[0].mark) {
             continue;
         }
-        let closes = |l: &&Leaf| scene.door([l.hinge, l.tip], &[l.mark], "door swing").is_some();
+        let closes = |l: &&Leaf| scene.door([l.hinge, l.tip], &[l.mark]).is_some();
         let mut may: Vec<&Leaf> = of_arc.iter().filter(closes).collect();
         if may.len() > 1 {
             may.retain(|l| !scene.has_leaf_at(l));
         }
         if let [l] = may[..] {
-            take(scene.door([l.hinge, l.tip], &[l.mark], "door swing"), &mut claimed);
+            take(scene.door([l.hinge, l.tip], &[l.mark]), &mut claimed);
         }
     }
     out
@@ -186,7 +186,7 @@ impl<'a> Scene<'a> {
     }
 
     /// The door whose leaves, closed, reach from one place to the other, if something stands at both.
-    fn door(&self, [p, q]: [DVec2; 2], marks: &[u32], evidence: &str) -> Option<Opening> {
+    fn door(&self, [p, q]: [DVec2; 2], marks: &[u32]) -> Option<Opening> {
         let along = (q - p).try_normalize()?;
         let (first, last) = (self.stands_at(p, -along)?, self.stands_at(q, along)?);
         let placed = [(p, -along, first), (q, along, last)].map(|(at, out, (s, body))| {
@@ -215,7 +215,7 @@ impl<'a> Scene<'a> {
             width_m,
             thickness_m,
             jambs: [a, b],
-            evidence: evidence.into(),
+            shown: Shown::Swing,
             marks: all,
             faces: self.evidence.drawn.refs(&seen.faces),
             through: Vec::new(),

@@ -81,7 +81,7 @@ fn through() -> Drawn {
 }
 
 pub fn mark(path: Path, role: Role) -> Mark {
-    Mark { paths: vec![path], role, group: 0, word: String::new() }
+    Mark { paths: vec![path], role, group: 0, is_named: false }
 }
 
 #[test]
@@ -358,7 +358,7 @@ fn a_window_is_as_wide_as_its_glass() {
         ]);
         let [a, b, c, d] = glass;
         let paths = vec![Path::Line { a: DVec2::new(a, b), b: DVec2::new(c, d) }];
-        drawn.marks.push(Mark { paths, role: Role::Window, group: 0, word: "WINDOWS".into() });
+        drawn.marks.push(Mark { paths, role: Role::Window, group: 0, is_named: true });
         AxisGraph::new(&drawn).openings.len()
     };
     assert_eq!(found([4.0, 0.1, 8.0, 0.1]), 1);

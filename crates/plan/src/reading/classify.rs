@@ -157,20 +157,22 @@ const FURNITURE: usize = 4;
 
 /// What the names of an entity's blocks and layer say, the innermost block's first: a window in a wall is a window.
 #[derive(Clone, Copy)]
-struct Name {
-    role: Role,
+pub struct Name {
+    /// What they call it; [`Role::Unknown`] where they say nothing.
+    pub role: Role,
     /// Whether it names windows as well as doors.
     is_both: bool,
 }
 
 /// What names say, looked up once each.
 #[derive(Default)]
-struct Names<'d> {
+pub struct Names<'d> {
     known: HashMap<&'d str, Name>,
 }
 
 impl<'d> Names<'d> {
-    fn of(&mut self, e: &'d Entity) -> Name {
+    /// Of an entity.
+    pub fn of(&mut self, e: &'d Entity) -> Name {
         let mut last = Name { role: Role::Unknown, is_both: false };
         for name in e.blocks.iter().rev().map(String::as_str).chain([e.layer.as_str()]) {
             last = *self.known.entry(name).or_insert_with(|| {

@@ -16,6 +16,7 @@ pub mod unit;
 
 use std::collections::BTreeSet;
 
+pub(super) use classify::Names;
 use corrections::{Finding, Said};
 use enfilade_cad::drawing::{Drawing, Format, Unit};
 use enfilade_cad::own_layers;

@@ -241,7 +241,7 @@ pub fn explain(plan: &Plan, found: &AxisGraph) -> Vec<String> {
         out.push(format!("truth: {:?} at {:.3} width {:.3}", g.kind, a.midpoint(b), a.distance(b)));
     }
     for o in &found.openings {
-        out.push(format!("found: {:?} at {:.3} width {:.3}: {}", o.kind, o.centre, o.width_m, o.evidence));
+        out.push(format!("found: {:?} at {:.3} width {:.3}: {:?}", o.kind, o.centre, o.width_m, o.shown));
     }
     out
 }

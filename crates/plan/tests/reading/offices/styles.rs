@@ -140,7 +140,7 @@ pub fn drawn(drawing: &Drawing, office: &Office) -> Drawn {
         } else {
             let role = [Role::Door, Role::Window, Role::Unknown][at - 2];
             let group = if e.blocks.is_empty() { i as u32 } else { 1_000_000 + e.source.record as u32 };
-            out.marks.push(Mark { paths, role, group, word: e.layer.clone() });
+            out.marks.push(Mark { paths, role, group, is_named: true });
         }
     }
     out
