@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use super::Plan;
 use super::axes::evidence::trace;
+use super::axes::near::Buckets;
 use super::axes::tolerances::{BOTH_WAYS_RAD, ERROR_GAP_M, SWING_MAX_RAD};
 use super::axes::{
     AxisGraph, Drawn, Edge, Face, FaceRef, Mark, NodeKind, Opening, OpeningKind, Path, Role, paths_of,
@@ -82,15 +83,33 @@ pub fn axes(plan: &Plan, drawing: &Drawing) -> (AxisGraph, Vec<usize>) {
         axes.openings.iter().map(|o| o.through.is_empty() || !o.marks.is_empty() || is_window(o)).collect();
     let mut shows = shows.into_iter();
     axes.openings.retain(|_| shows.next().unwrap_or(true));
-    leave_uncut(plan, &mut axes);
+    leave_uncut(plan, &drawn, &mut axes);
     rooms::open_touching(plan, &mut axes);
     axes.count_again();
     (axes, marked)
 }
 
-/// Where most doors stand in gaps of their walls, a swing before a wall that runs on shows no door in it: it belongs to
-/// another storey. In other drawings walls are drawn through.
-fn leave_uncut(plan: &Plan, axes: &mut AxisGraph) {
+/// Where most doors stand in gaps of their walls, a swing before a wall that runs on shows no door in it, unless lines across
+/// the wall end it on both sides: it belongs to another storey. In other drawings walls are drawn through.
+fn leave_uncut(plan: &Plan, drawn: &Drawn, axes: &mut AxisGraph) {
+    let mut near = Buckets::new(0.5);
+    let lines = drawn.faces.iter().map(|f| f.path).chain(drawn.marks.iter().flat_map(|m| m.paths.clone()));
+    let lines: Vec<[DVec2; 2]> = lines.filter(|p| matches!(p, Path::Line { .. })).map(|p| p.ends()).collect();
+    lines.iter().enumerate().for_each(|(i, [a, b])| near.add(i as u32, &[a.midpoint(*b)]));
+    let is_across = |at: DVec2, along: DVec2, thickness_m: f64| {
+        let reach = DVec2::splat(2.0 * ERROR_GAP_M);
+        near.near(at - reach, at + reach).into_iter().any(|i| {
+            let [a, b] = lines[i as usize];
+            a.midpoint(b).distance(at) <= 2.0 * ERROR_GAP_M
+                && (a.distance(b) - thickness_m).abs() <= 2.0 * ERROR_GAP_M
+                && (b - a).normalize_or_zero().dot(along).abs() <= ACROSS_COS
+        })
+    };
+    let is_framed = |o: &Opening| {
+        let [from, to] = o.jambs.map(|j| j.at);
+        let along = (to - from).normalize_or_zero();
+        o.thickness_m > 0.0 && [from, to].into_iter().all(|at| is_across(at, along, o.thickness_m))
+    };
     let is_uncut = |o: &Opening| {
         let [from, to] = o.jambs.map(|j| j.at);
         let side = |f: &FaceRef| {
@@ -98,7 +117,8 @@ fn leave_uncut(plan: &Plan, axes: &mut AxisGraph) {
             piece.map(|p| (to - from).perp_dot(p - from) > 0.0)
         };
         let sides: BTreeSet<bool> = o.through.iter().filter_map(side).collect();
-        o.kind == OpeningKind::Door && (sides.len() == 2 || o.thickness_m == 0.0 && !o.through.is_empty())
+        let is_through = sides.len() == 2 || o.thickness_m == 0.0 && !o.through.is_empty();
+        o.kind == OpeningKind::Door && is_through && !is_framed(o)
     };
     let in_gaps = |o: &&Opening| o.kind == OpeningKind::Door && o.through.is_empty();
     let uncut = axes.openings.iter().filter(|o| is_uncut(o)).count();
@@ -106,6 +126,9 @@ fn leave_uncut(plan: &Plan, axes: &mut AxisGraph) {
         axes.openings.retain(|o| !is_uncut(o));
     }
 }
+
+/// What lies across a wall is turned from it by more than this: the cosine.
+const ACROSS_COS: f64 = 0.2;
 
 /// Ends of a polyline nearer than this are one: it is closed although it does not say so.
 const CLOSED_M: f64 = 0.001;

@@ -14,7 +14,7 @@ use super::tolerances::{
     CAVITY_MAX_M, COLLINEAR_M, CROSSING_MIN_RAD, ERROR_GAP_M, OPENING_MAX_M, OPENING_MIN_M, PASSAGE_MAX_M,
     SIDE_OPENING_MAX_M, THICKNESS_MAX_M, THICKNESS_MIN_M, THICKNESS_USUAL_M,
 };
-use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind, Path, shell, swings};
+use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind, Path, Shown, shell, swings};
 
 /// A wall that ends in front of another's side leaves a passage only if it stands this square to it.
 const SQUARE_SIN: f64 = 0.97;
@@ -65,6 +65,7 @@ pub fn find(drawn: &Drawn, all: &Axes, joined: &Joined, out: &mut AxisGraph) {
     }
     found.extend(swings::find(&scene.evidence, out, &found));
     found.sort_by(|a, b| a.centre.x.total_cmp(&b.centre.x).then(a.centre.y.total_cmp(&b.centre.y)));
+    tell_second_leaves(&mut found);
     shell::tell_sliding_doors(drawn, &mut found);
     for o in &found {
         if o.kind == OpeningKind::Window {
@@ -74,6 +75,24 @@ pub fn find(drawn: &Drawn, all: &Axes, joined: &Joined, out: &mut AxisGraph) {
     let in_opening: BTreeSet<FaceRef> = found.iter().flat_map(|o| o.faces.clone()).collect();
     out.leftovers.retain(|l| !in_opening.contains(&l.face));
     out.openings = found;
+}
+
+/// An empty gap in the one leaf of a double wall is part of the window or door in the other.
+fn tell_second_leaves(openings: &mut [Opening]) {
+    let shown: Vec<Opening> = openings.iter().filter(|o| o.shown != Shown::Nothing).cloned().collect();
+    let is_twin = |o: &Opening, p: &Opening| {
+        let along = (o.jambs[1].at - o.jambs[0].at).normalize_or_zero();
+        let to = p.centre - o.centre;
+        let turn = (p.jambs[1].at - p.jambs[0].at).normalize_or_zero().perp_dot(along).abs();
+        turn < CROSSING_MIN_RAD
+            && to.dot(along).abs() <= p.width_m.min(o.width_m) * (1.0 - BESIDE_SHARE)
+            && to.perp_dot(along).abs() <= (o.thickness_m + p.thickness_m) / 2.0 + CAVITY_MAX_M
+    };
+    for o in openings.iter_mut().filter(|o| o.shown == Shown::Nothing) {
+        if let Some(twin) = shown.iter().find(|p| is_twin(o, p)) {
+            (o.kind, o.shown) = (twin.kind, twin.shown);
+        }
+    }
 }
 
 struct Scene<'a> {

@@ -2,12 +2,15 @@
 
 use std::collections::HashMap;
 
+use glam::DVec2;
 use rayon::prelude::*;
 
 use super::RoleSense;
 use super::features::Features;
-use super::scene::{Scene, Thing};
+use super::scene::{Piece, Scene, Thing};
 use super::trees::{CLASSES, TOGETHER, Votes, model};
+use crate::axes::Path;
+use crate::leaves;
 use crate::parallels::Straight;
 use crate::stairs;
 use enfilade_cad::drawing::{Drawing, Entity};
@@ -68,7 +71,67 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<RoleSense>> {
     }
     without_dashed(&scene, drawing, &mut named, &mut out);
     with_flights(&scene, &mut out);
+    with_leaves(&scene, |t| named.of(&drawing.entities[t.entity as usize]).role, &mut out);
     out
+}
+
+/// What the trees are surer of than this is no leaf.
+const LEAF_UNLESS: f32 = 0.9;
+/// How sure a leaf is that hangs at the jamb of a gap as wide as it is long.
+const LEAF_SURE: f32 = 0.9;
+
+/// Leaves without a swing are known by the gap that they hang at, whatever their lines alone look like.
+fn with_leaves(scene: &Scene, mut name_of: impl FnMut(&Thing) -> Role, senses: &mut [Option<RoleSense>]) {
+    let sense = |t: &Thing| senses[t.entity as usize];
+    let own = |t: &Thing| &scene.pieces[t.pieces.start as usize..t.pieces.end as usize];
+    let may_be = |t: &Thing| {
+        let is_doubtful = sense(t).is_some_and(|s| s.confidence < LEAF_UNLESS && s.role != Role::Door);
+        is_doubtful && matches!(own(t).len(), 1 | 4) && own(t).iter().all(|p| p.arc.is_none())
+    };
+    let mut may: Vec<usize> = (0..scene.things.len()).filter(|i| may_be(&scene.things[*i])).collect();
+    may.retain(|i| matches!(name_of(&scene.things[*i]), Role::Unknown | Role::Wall | Role::Door));
+    if may.is_empty() {
+        return;
+    }
+    let lines: Vec<(usize, [DVec2; 2])> = may
+        .iter()
+        .filter(|i| own(&scene.things[**i]).len() == 1)
+        .map(|i| (*i, ends(&own(&scene.things[*i])[0])))
+        .collect();
+    let slips = leaves::slips(&lines.iter().map(|l| l.1).collect::<Vec<_>>());
+    let mut whole: Vec<usize> = (0..scene.things.len()).collect();
+    for (of, _) in &slips {
+        of.iter().for_each(|k| whole[lines[*k].0] = lines[of[0]].0);
+    }
+    let pieces = scene.things.iter().enumerate().flat_map(|(i, t)| {
+        let is_wall = sense(t).is_some_and(|s| s.role.stops_sight());
+        let thing = whole[i];
+        own(t).iter().filter(|p| p.arc.is_none()).map(move |p| leaves::Piece {
+            ends: ends(p),
+            thing,
+            is_wall,
+        })
+    });
+    let pieces = leaves::Pieces::new(pieces);
+    let line = |[a, b]: [DVec2; 2]| Path::Line { a, b };
+    let ring = |r: &[DVec2; 4]| (0..4).map(|k| line([r[k], r[(k + 1) % 4]])).collect::<Vec<Path>>();
+    let of_slips = slips.iter().map(|(of, r)| (of.map(|k| lines[k].0).to_vec(), ring(r)));
+    let in_slip = |i: &usize| slips.iter().any(|(of, _)| of.iter().any(|k| lines[*k].0 == *i));
+    let alone = may.iter().filter(|i| !in_slip(i));
+    let alone = alone.map(|i| (vec![*i], own(&scene.things[*i]).iter().map(|p| line(ends(p))).collect()));
+    let found: Vec<usize> = of_slips
+        .chain(alone)
+        .filter(|(of, paths): &(Vec<usize>, Vec<Path>)| pieces.swing(paths, whole[of[0]]).is_some())
+        .flat_map(|f| f.0)
+        .collect();
+    for i in found {
+        let entity = scene.things[i].entity as usize;
+        senses[entity] = Some(RoleSense { role: Role::Door, confidence: LEAF_SURE });
+    }
+}
+
+fn ends(p: &Piece) -> [DVec2; 2] {
+    [p.a, p.b]
 }
 
 /// In the labelled corpus every line found so that is labelled as a wall draws steps on the layer of the walls, but for at
