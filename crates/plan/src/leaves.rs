@@ -231,6 +231,22 @@ mod tests {
     }
 
     #[test]
+    fn four_lines_round_a_slip_are_one_leaf() {
+        let corners = [[2.0, 0.1], [2.0, 1.0], [2.04, 1.0], [2.04, 0.1]].map(DVec2::from);
+        let mut lines: Vec<[DVec2; 2]> = (0..4).map(|k| [corners[k], corners[(k + 1) % 4]]).collect();
+        lines[2].swap(0, 1);
+        lines.rotate_left(1);
+        let wide: Vec<[DVec2; 2]> = lines.iter().map(|s| s.map(|p| DVec2::new(p.x * 3.0, p.y))).collect();
+        let found = slips(&lines);
+        assert_eq!(found.len(), 1);
+        let mut of = found[0].0.to_vec();
+        of.sort_unstable();
+        assert_eq!(of, [0, 1, 2, 3]);
+        assert_eq!(slips(&wide).len(), 0, "too thick");
+        assert_eq!(slips(&lines[..3]).len(), 0, "open");
+    }
+
+    #[test]
     fn what_ends_at_something_or_hangs_at_no_gap_is_no_leaf() {
         let leaf = [2.0, 0.1, 2.0, 1.0];
         // The face of a wall that goes on; a wall in the gap.

@@ -25,6 +25,8 @@ mod limits_tests;
 pub(super) mod near;
 mod offset;
 mod openings;
+#[cfg(test)]
+mod openings_tests;
 mod rows;
 mod runs;
 mod shell;
