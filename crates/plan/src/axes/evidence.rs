@@ -71,8 +71,13 @@ impl<'a> Evidence<'a> {
         }
         let groups: Vec<u32> = seen.marks.iter().map(|m| self.drawn.marks[*m as usize].group).collect();
         for m in self.marks_near.along(&around, band.half + 2.0 * LEAF_M[1]) {
-            if groups.contains(&self.drawn.marks[m as usize].group) {
+            let mark = &self.drawn.marks[m as usize];
+            if groups.contains(&mark.group) {
                 seen.marks.push(m);
+                // A leaf beside the frame of its block.
+                if mark.role == Role::Door {
+                    seen.door_spans.extend(mark.paths.iter().filter_map(|p| band.reach_of(p)));
+                }
             }
         }
         for m in self.bay(&around, &band) {
