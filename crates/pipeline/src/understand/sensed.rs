@@ -6,9 +6,9 @@ use glam::DVec2;
 
 use crate::understand::building;
 use crate::understand::senses::of_entity;
-use crate::understand::sureness::{SURE_WITHOUT_WALLS, Sureness};
+use crate::understand::sureness::{self, SURE_WITHOUT_WALLS, Sureness, Ways};
 use crate::understand::understood::Understood;
-use enfilade_cad::drawing::{Drawing, Entity};
+use enfilade_cad::drawing::{Drawing, Entity, Format};
 use enfilade_cad::own_layers;
 use enfilade_cad::roles::Role;
 use enfilade_config::Settings;
@@ -104,7 +104,8 @@ impl Sensed {
         let is_walled = walls.iter().any(|(sense, of)| sense.role != Role::Column && *of > 0.0);
         let is_open = base.interior.as_ref().is_some_and(|i| i.gap_m() >= WAY_IN_M * plan.human_scale);
         let rooms = floor.as_ref().filter(|_| !is_floor_said);
-        let rooms = rooms.and_then(|f| sure_of_rooms(f, &gaps, is_open));
+        let is_said = plan.format != Format::Dxf;
+        let rooms = rooms.and_then(|f| sure_of_rooms(f, &gaps, (plan.human_scale, is_open, is_said)));
         let views = plan.views.iter().filter(|v| v.is_chosen).map(|v| v.confidence);
         let sure = Sureness {
             unit: plan.reading.unit.confidence,
@@ -117,23 +118,41 @@ impl Sensed {
     }
 }
 
-/// How sure a room without a door or a passage is one. In 10 of 19 drawings and buildings of strangers in which nobody enters
-/// any room, it is; the others are plots, gears, gardens, or have their doors missed.
+/// How sure rooms without any door or passage are rooms. In 10 of 19 drawings and buildings of strangers in which nobody
+/// enters any room, they are; the others are plots, gears, gardens, or have their doors missed.
 const SURE_OF_SHUT: f64 = 0.53;
 
 /// Somebody walks in through a gap of the outline that is at least so wide, metres of a person.
 const WAY_IN_M: f64 = 0.6;
 
-/// How sure the rooms are, by their floor: those that a door or a passage leads into, and those that none does. Where the
-/// outline of the building is open, its largest room is entered. Nothing where there is no room.
-fn sure_of_rooms(floor: &Floor, gaps: &[OpenGap], is_open: bool) -> Option<f64> {
-    let area = |rooms: &mut dyn Iterator<Item = usize>| rooms.map(|r| floor.rooms[r].area_m2).sum::<f64>();
+/// Widths of ways that nobody wonders at, metres of a person: from the narrowest leaf to a double door.
+const USUAL_WAY_M: [f64; 2] = [0.6, 2.2];
+
+/// How sure the rooms are, by the ways into them. Where the outline of the building is open, its largest room is entered.
+/// Nothing where there is no room. `metres`: of the plan in one of a person; `is_said`: the file calls its doors so.
+fn sure_of_rooms(
+    floor: &Floor,
+    gaps: &[OpenGap],
+    (metres, is_open, is_said): (f64, bool, bool),
+) -> Option<f64> {
+    let count = floor.rooms.len();
     let by_area = |a: &usize, b: &usize| floor.rooms[*a].area_m2.total_cmp(&floor.rooms[*b].area_m2);
-    let largest = (0..floor.rooms.len()).max_by(by_area).filter(|_| is_open);
-    let is_entered = |room: &usize| largest == Some(*room) || ways_into(floor, gaps, *room).next().is_some();
-    let all = area(&mut (0..floor.rooms.len()));
-    let entered = area(&mut (0..floor.rooms.len()).filter(is_entered));
-    (all > 0.0).then(|| SURE_OF_SHUT + (1.0 - SURE_OF_SHUT) * entered / all)
+    let largest = (0..count).max_by(by_area).filter(|_| is_open);
+    let is_shut = |room: &usize| largest != Some(*room) && ways_into(floor, gaps, *room).next().is_none();
+    let ways: Vec<&OpenGap> = gaps.iter().filter(|g| g.kind != OpeningKind::Window).collect();
+    let shut = (0..count).filter(is_shut).count();
+    let share = |part: usize, all: usize| part as f64 / all.max(1) as f64;
+    if count == 0 || is_said || ways.is_empty() {
+        return (count > 0).then(|| 1.0 - (1.0 - SURE_OF_SHUT) * share(shut, count));
+    }
+    let is_usual = |g: &&&OpenGap| (USUAL_WAY_M[0]..=USUAL_WAY_M[1]).contains(&(g.width_m / metres));
+    let usual = ways.iter().filter(is_usual).count();
+    let empty = ways.iter().filter(|g| g.kind == OpeningKind::Passage).count();
+    Some(sureness::of_ways(Ways {
+        empty: if empty < ways.len() { share(empty, ways.len()) } else { 0.0 },
+        shut: share(shut, count),
+        odd: share(ways.len() - usual, ways.len()),
+    }))
 }
 
 /// Doors and passages that lead into a room, by their places among the openings.
