@@ -12,7 +12,7 @@ use enfilade_cad::dxf;
 use enfilade_config::{Partial, Settings};
 use enfilade_pipeline::{Extras, Input};
 use enfilade_plan::axes::{AxisGraph, Drawn, Path};
-use enfilade_plan::{Plan, PlanOptions, structure, understand};
+use enfilade_plan::{Plan, PlanOptions, drawn, understand};
 use enfilade_report::Report;
 use glam::DVec2;
 
@@ -79,7 +79,7 @@ fn walls_units_and_views_of_real_drawings() {
 fn walls_are_the_same_wherever_they_stand() {
     for (name, ..) in DRAWINGS {
         let Some((plan, drawing)) = opened(name) else { return };
-        let (drawn, _) = structure::drawn(&plan, &drawing);
+        let (drawn, _) = drawn::drawn(&plan, &drawing);
         let here = AxisGraph::new(&drawn);
         for by in [DVec2::new(-4.383, 6.467), DVec2::new(713.09, -1_291.7), DVec2::new(0.1, 1.0 / 3.0)] {
             let there = AxisGraph::new(&shifted(&drawn, by));

@@ -38,7 +38,7 @@ use enfilade_plan::curve::{Trace, trace};
 use enfilade_plan::graph::Graph;
 use enfilade_plan::hidden::Hidden;
 use enfilade_plan::sight::Sight;
-use enfilade_plan::{Plan, PlanOptions, fittings, labels, structure, understand, view_box};
+use enfilade_plan::{Plan, PlanOptions, fittings, infill, labels, structure, understand, view_box};
 use enfilade_report::{Error, Place, Problem, Report, Severity};
 use moves::{Known, moves};
 use options::plan_options;
@@ -104,7 +104,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let bodies = structure::bodies(&plan, &axes);
     let mut sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
     if settings.level == Level::Knee {
-        sight.closed.extend(structure::glass_lines(&plan, drawing, &axes));
+        sight.closed.extend(infill::glass_lines(&plan, drawing, &axes));
     }
     sight.close(|wall| building::closes(&plan.walls[wall as usize]));
     let mut fittings = fittings::fittings(&plan, drawing, &axes, &marked);
@@ -115,7 +115,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     if !as_drawn {
         closings = building::closings(drawing, &plan);
         closings.extend(opening_lines(&plan, &axes));
-        infill = structure::infill_lines(&plan, drawing, &axes);
+        infill = infill::infill_lines(&plan, drawing, &axes);
         closings.extend(&infill);
     }
     let interior = Interior::new(&all, &closings, plan.human_scale).map(|i| i.without(&plan.outdoors));
@@ -197,7 +197,7 @@ fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<(Trace, bool)> {
     let all = drawing.entities.iter().enumerate();
     let foreign = all.filter(|(_, e)| !own_layers::is_own(&e.layer)).enumerate();
     let free = foreign.filter(|(k, (_, e))| plan.picked.binary_search(k).is_err() && !hidden.entity(e));
-    let traces = free.map(|(_, (i, e))| (trace(&e.shape, &plan.frame), structure::is_glass(plan, i)));
+    let traces = free.map(|(_, (i, e))| (trace(&e.shape, &plan.frame), infill::is_glass(plan, i)));
     let is_within = |(t, _): &(Trace, bool)| {
         t.points.iter().all(|p| {
             let p = DVec2::new(p[0] as f64, p[1] as f64);

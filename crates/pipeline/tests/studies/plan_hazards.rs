@@ -12,7 +12,7 @@ use enfilade_config::{Partial, Settings};
 use enfilade_engine::interior::Interior;
 use enfilade_pipeline::Input;
 use enfilade_plan::axes::AxisGraph;
-use enfilade_plan::{Plan, PlanOptions, structure, understand};
+use enfilade_plan::{Plan, PlanOptions, drawn, infill, structure, understand};
 use enfilade_report::{Cancel, Error, Report};
 use glam::DVec2;
 
@@ -353,7 +353,7 @@ fn slips_of_the_hand_change_no_wall() {
         let text = drawing(METRES, "", &lines);
         let drawing = read("plan.dxf", text.as_bytes(), &ReadOptions::default(), &mut report).unwrap();
         let plan = understand(&drawing, &PlanOptions::default(), &mut report).unwrap();
-        AxisGraph::new(&structure::drawn(&plan, &drawing).0)
+        AxisGraph::new(&drawn::drawn(&plan, &drawing).0)
     };
     let shape = |g: &AxisGraph| {
         let cm = |v: f64| (v * 100.0).round() as i64;
@@ -515,7 +515,7 @@ fn glass_lies_inside(glass: &[[f64; 4]], more: &[([f64; 2], [f64; 2])], area_m2:
     let drawing = read("plan.dxf", text.as_bytes(), &ReadOptions::default(), &mut Report::default()).unwrap();
     let plan = understand(&drawing, &PlanOptions::default(), &mut Report::default()).unwrap();
     let (axes, _) = structure::axes(&plan, &drawing);
-    let closings = structure::infill_lines(&plan, &drawing, &axes);
+    let closings = infill::infill_lines(&plan, &drawing, &axes);
     let walls: Vec<_> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
     let inside = Interior::new(&walls, &closings, plan.human_scale).unwrap();
     assert!((inside.area_m2() - area_m2).abs() < 3.0, "{} {area_m2}", inside.area_m2());
