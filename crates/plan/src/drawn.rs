@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::Plan;
 use super::axes::evidence::trace;
-use super::axes::tolerances::SWING_MAX_RAD;
+use super::axes::tolerances::{LEAF_M, SWING_MAX_RAD, SWING_MIN_RAD};
 use super::axes::{Drawn, Face, Mark, Path, Role, paths_of};
 use super::dots;
 use super::leaves;
@@ -18,9 +18,6 @@ use enfilade_cad::drawing::{Drawing, Entity, Shape};
 use enfilade_cad::own_layers;
 use enfilade_cad::roles::{self, role_by_name};
 use enfilade_engine::geometry::UM_PER_M;
-
-/// Radii of arcs that may be door swings, metres of a person.
-pub const SWING_RADIUS_M: [f64; 2] = [0.5, 1.6];
 
 /// Ends of a polyline nearer than this are one: it is closed although it does not say so.
 pub(super) const CLOSED_M: f64 = 0.001;
@@ -221,7 +218,7 @@ pub(super) fn swing_or(paths: Vec<Path>) -> Vec<Path> {
 /// Whether an arc may be the swing of a door, by its size.
 pub(super) fn is_swing(path: &Path) -> bool {
     matches!(path, Path::Arc { radius, sweep_rad, .. }
-        if (SWING_RADIUS_M[0]..=SWING_RADIUS_M[1]).contains(radius) && (0.5..=SWING_MAX_RAD).contains(sweep_rad))
+        if (LEAF_M[0]..=LEAF_M[1]).contains(radius) && (SWING_MIN_RAD..SWING_MAX_RAD).contains(sweep_rad))
 }
 
 /// What an entity says about an opening: by what it was taken for, else by its shape.

@@ -7,10 +7,8 @@ use glam::DVec2;
 
 use super::axes::Path;
 use super::axes::near::Buckets;
+use super::axes::tolerances::LEAF_M;
 use enfilade_cad::plane::distance_to_segment;
-
-/// Widths of leaves, metres of a person.
-const LEAF_M: [f64; 2] = [0.55, 1.3];
 
 /// Thickest leaf, metres.
 const THICK_M: f64 = 0.07;

@@ -10,7 +10,8 @@ use super::runs::{Groups, Run};
 use super::spans::{self, Span};
 use super::strips::Paired;
 use super::tolerances::{
-    CROSSING_MIN_RAD, ERROR_GAP_M, LEAF_M, ONE_SIDED_GAP_M, OPENING_MAX_M, PASSAGE_MAX_M, THICKNESS_MAX_M,
+    BOTH_WAYS_RAD, CROSSING_MIN_RAD, ERROR_GAP_M, LEAF_M, ONE_SIDED_GAP_M, OPENING_MAX_M, PASSAGE_MAX_M,
+    SWING_MIN_RAD, THICKNESS_MAX_M,
 };
 use super::{AxisGraph, Drawn, Leftover, cuts};
 
@@ -144,7 +145,7 @@ fn is_leaf_swing(run: &Run) -> bool {
     match run.carrier {
         Carrier::Circle { radius, .. } => {
             let turn = run.length() / radius;
-            (LEAF_M[0]..=LEAF_M[1]).contains(&radius) && (0.5..2.0).contains(&turn)
+            (LEAF_M[0]..=LEAF_M[1]).contains(&radius) && (SWING_MIN_RAD..BOTH_WAYS_RAD).contains(&turn)
         }
         Carrier::Line { .. } => false,
     }

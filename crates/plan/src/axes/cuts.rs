@@ -8,7 +8,9 @@ use super::carrier::Carrier;
 use super::evidence::{Band, Evidence, ordered, tips, trace};
 use super::near::Buckets;
 use super::spans::{self, Span};
-use super::tolerances::{CAVITY_MAX_M, COLLINEAR_M, ERROR_GAP_M, LEAF_M, OPENING_MIN_M, SWING_MAX_RAD};
+use super::tolerances::{
+    CAVITY_MAX_M, COLLINEAR_M, ERROR_GAP_M, LEAF_M, OPENING_MIN_M, SWING_MAX_RAD, SWING_MIN_RAD,
+};
 use super::{Drawn, Mark, OpeningKind, Path, Role, swings};
 
 /// Widest opening between two lines across a wall.
@@ -209,7 +211,7 @@ fn swing_gap(axis: &Axis, path: &Path, tips: &[DVec2]) -> Option<Span> {
     let Path::Arc { centre, radius, sweep_rad, .. } = *path else { return None };
     let band = Band { carrier: axis.carrier, gap: axis.span, half: axis.thickness / 2.0 };
     if !(LEAF_M[0]..=LEAF_M[1]).contains(&radius)
-        || !(0.5..SWING_MAX_RAD).contains(&sweep_rad)
+        || !(SWING_MIN_RAD..SWING_MAX_RAD).contains(&sweep_rad)
         || !band.has(centre, HINGE_BESIDE_M)
     {
         return None;

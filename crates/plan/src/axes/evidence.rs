@@ -6,7 +6,9 @@ use super::axis::Spare;
 use super::carrier::Carrier;
 use super::near::Buckets;
 use super::spans::{self, Span};
-use super::tolerances::{BOTH_WAYS_RAD, COLLINEAR_M, ERROR_GAP_M, LEAF_M, PASSAGE_MAX_M, SWING_MAX_RAD};
+use super::tolerances::{
+    BOTH_WAYS_RAD, COLLINEAR_M, ERROR_GAP_M, LEAF_M, PASSAGE_MAX_M, SWING_MAX_RAD, SWING_MIN_RAD,
+};
 use super::{Drawn, Mark, OpeningKind, Path, Role, Shown};
 use enfilade_cad::plane::is_inside_ring;
 
@@ -256,7 +258,7 @@ impl Band {
         at_jamb
             && tips(path).iter().any(closes)
             && self.carrier.offset_of(centre).abs() <= self.half + HINGE_M
-            && (0.3..SWING_MAX_RAD).contains(&sweep_rad)
+            && (SWING_MIN_RAD..SWING_MAX_RAD).contains(&sweep_rad)
             && radius > 0.35 * width
             && radius < 1.15 * width + 0.05
     }

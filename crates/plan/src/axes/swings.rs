@@ -9,7 +9,7 @@ use glam::DVec2;
 use super::carrier::Carrier;
 use super::evidence::{Evidence, tips, trace};
 use super::near::Buckets;
-use super::tolerances::{LEAF_M, OPENING_MIN_M, SWING_MAX_RAD};
+use super::tolerances::{LEAF_M, OPENING_MIN_M, SWING_MAX_RAD, SWING_MIN_RAD};
 use super::{AxisGraph, Drawn, Edge, Jamb, NodeKind, Opening, OpeningKind, Path, Shown};
 use enfilade_cad::curve::bulge_arc;
 use enfilade_cad::plane::{distance_to_segment, is_inside_ring};
@@ -22,8 +22,6 @@ const SUNK_M: f64 = 0.12;
 const BESIDE_M: f64 = 0.06;
 /// Swings may end this far before their leaves are closed.
 const AJAR_RAD: f64 = 0.35;
-/// Radii of leaves; at an unknown scale they are not known exactly.
-const RADIUS_M: [f64; 2] = [LEAF_M[0], 1.6];
 /// Leaves that meet are alike up to this share.
 const LIKE_SHARE: f64 = 0.15;
 /// Directions whose cosine is larger are one.
@@ -36,8 +34,6 @@ const SINGLE_HALF_M: f64 = 0.02;
 const LEAF_SHARE: f64 = 0.12;
 /// Openings whose middles are nearer than this share of the leaf are one.
 const SAME_PLACE_SHARE: f64 = 0.5;
-/// A turn with less sweep is none of a leaf.
-const SWEEP_MIN_RAD: f64 = 0.3;
 
 /// A way in which a leaf may close.
 #[derive(Clone, Copy)]
@@ -114,7 +110,7 @@ fn leaves(drawn: &Drawn, claimed: &BTreeSet<u32>) -> Vec<Leaf> {
     for (m, mark) in drawn.marks.iter().enumerate() {
         let is_swing = |p: &&Path| {
             matches!(p, Path::Arc { radius, sweep_rad, .. }
-                    if (RADIUS_M[0]..=RADIUS_M[1]).contains(radius) && (SWEEP_MIN_RAD..SWING_MAX_RAD).contains(sweep_rad))
+                    if (LEAF_M[0]..=LEAF_M[1]).contains(radius) && (SWING_MIN_RAD..SWING_MAX_RAD).contains(sweep_rad))
         };
         for path in mark.paths.iter().filter(is_swing).filter(|_| !claimed.contains(&(m as u32))) {
             let Path::Arc { centre, .. } = *path else { continue };
