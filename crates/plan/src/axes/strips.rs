@@ -33,8 +33,11 @@ const LAYER_EVEN_M: f64 = 0.006;
 const CONCENTRIC_M: f64 = 0.06;
 /// A stub of wall is at least this long for its thickness.
 const STUB_ASPECT: f64 = 0.2;
-/// No strip is shorter as well as thinner: the steps of a reveal with its finish are no walls.
-const SMALLEST_M: f64 = 0.1;
+/// No strip is shorter.
+const SHORTEST_M: f64 = 0.01;
+/// No strip is shorter as well as thinner: the steps of a reveal with its finish are no walls. Stubs beside doors begin at
+/// 0.07 m.
+const SMALLEST_M: f64 = 0.065;
 /// The thinnest strip between two lines by themselves: a pane.
 const PANE_MIN_M: f64 = 0.006;
 /// The shortest pane.
@@ -310,7 +313,9 @@ impl<'a> Choice<'a> {
             return;
         }
         for span in self.open(&cell) {
-            if is_as_long(span, aspect * cell.t) && spans::length(span).max(cell.t) >= SMALLEST_M {
+            let length = spans::length(span);
+            let is_one = length >= SHORTEST_M && length.max(cell.t) >= SMALLEST_M;
+            if is_as_long(span, aspect * cell.t) && is_one {
                 self.make(&cell, span);
             }
         }
