@@ -45,8 +45,9 @@ pub fn check_with(
     read::works::add(&mut drawing, settings)?;
     read::state_unused_storey(input.file(), &input.bytes, settings, &mut report);
     let base = understood(&drawing, settings, &mut report)?;
-    let mut result = show::check(&base, &report);
     let sensed = sensed::Sensed::new(&base, settings);
+    sensed.tell(input.file(), &mut report);
+    let mut result = show::check(&base, &report);
     let rooms = rooms_with_kinds(&base, &sensed, settings)?;
     result.reading = Some(reading::reading(&base, &drawing, (&sensed, &rooms)));
     let mut files = Vec::new();

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::understand::building;
 use crate::understand::senses::of_entity;
-use crate::understand::sureness::{self, SURE_WITHOUT_WALLS, Sureness, Ways};
+use crate::understand::sureness::{SURE_WITHOUT_WALLS, Sureness, Ways};
 use crate::understand::understood::Understood;
 use enfilade_cad::drawing::{Drawing, Entity, Format};
 use enfilade_cad::own_layers;
@@ -18,6 +18,7 @@ use enfilade_plan::floor::{Beside, Floor, Gap};
 use enfilade_plan::reading::RoleSense;
 use enfilade_plan::reading::questions::{Doubt, Settled, questions};
 use enfilade_plan::{DrawnBy, Plan, Wall};
+use enfilade_report::{Place, Report, counted};
 
 /// For every wall of a plan the index of the entity that draws it; filled areas come behind what is drawn.
 pub(crate) fn entities_of_walls(plan: &Plan, drawing: &Drawing) -> Vec<usize> {
@@ -67,6 +68,8 @@ pub(crate) struct Sensed {
     pub floor: Option<Floor>,
     /// How sure it is.
     pub sure: Sureness,
+    /// The ways into its rooms, where they are in question.
+    pub ways: Option<Ways>,
     /// What a person should decide, least certain first.
     pub doubts: Vec<Doubt>,
 }
@@ -104,8 +107,8 @@ impl Sensed {
         let is_walled = walls.iter().any(|(sense, of)| sense.role != Role::Column && *of > 0.0);
         let is_open = base.interior.as_ref().is_some_and(|i| i.gap_m() >= WAY_IN_M * plan.human_scale);
         let rooms = floor.as_ref().filter(|_| !is_floor_said);
-        let is_said = plan.format != Format::Dxf;
-        let rooms = rooms.and_then(|f| sure_of_rooms(f, &gaps, (plan.human_scale, is_open, is_said)));
+        let ways = rooms.map(|f| ways(f, &gaps, (plan.human_scale, is_open)));
+        let rooms = ways.and_then(|w| sure_of_rooms(&w, plan.format != Format::Dxf));
         let views = plan.views.iter().filter(|v| v.is_chosen).map(|v| v.confidence);
         let sure = Sureness {
             unit: plan.reading.unit.confidence,
@@ -114,7 +117,31 @@ impl Sensed {
             rooms,
             whole: base.sure_of_whole,
         };
-        Self { gaps, floor, sure, doubts }
+        Self { gaps, floor, sure, ways, doubts }
+    }
+
+    /// Says what speaks against the ways into the rooms, where nothing else is less sure.
+    pub fn tell(&self, file: &str, report: &mut Report) {
+        let is_least = self.sure.rooms.is_some_and(|sure| sure < TOLD_BELOW && sure <= self.sure.least());
+        let Some(ways) = self.ways.filter(|_| is_least) else { return };
+        let of = |n: usize, text: String| (n > 0).then_some(text);
+        let said: Vec<String> = [
+            of(
+                ways.shut,
+                format!("nobody can enter {} of {}", ways.shut, counted(ways.rooms as u64, "room")),
+            ),
+            of(ways.empty, format!("{} of {} have no door", ways.empty, counted(ways.all as u64, "opening"))),
+            of(ways.odd, format!("{} are narrower than 0.6 m or wider than 2.2 m", ways.odd)),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        let text = format!(
+            "doors may be missing, or gaps that are none taken for ways in: {}; look at the picture (--preview); --door, \
+             --window, --wall and --not-wall correct it",
+            said.join(", ")
+        );
+        report.info("ways-in-doubt", Place::file(file), text);
     }
 }
 
@@ -128,32 +155,35 @@ const WAY_IN_M: f64 = 0.6;
 /// Widths of ways that nobody wonders at, metres of a person: from the narrowest leaf to a double door.
 const USUAL_WAY_M: [f64; 2] = [0.6, 2.2];
 
-/// How sure the rooms are, by the ways into them. Where the outline of the building is open, its largest room is entered.
-/// Nothing where there is no room. `metres`: of the plan in one of a person; `is_said`: the file calls its doors so.
-fn sure_of_rooms(
-    floor: &Floor,
-    gaps: &[OpenGap],
-    (metres, is_open, is_said): (f64, bool, bool),
-) -> Option<f64> {
-    let count = floor.rooms.len();
+/// The ways into the rooms. Where the outline of the building is open, its largest room is entered. `metres`: of the plan in
+/// one of a person.
+fn ways(floor: &Floor, gaps: &[OpenGap], (metres, is_open): (f64, bool)) -> Ways {
+    let rooms = floor.rooms.len();
     let by_area = |a: &usize, b: &usize| floor.rooms[*a].area_m2.total_cmp(&floor.rooms[*b].area_m2);
-    let largest = (0..count).max_by(by_area).filter(|_| is_open);
+    let largest = (0..rooms).max_by(by_area).filter(|_| is_open);
     let is_shut = |room: &usize| largest != Some(*room) && ways_into(floor, gaps, *room).next().is_none();
-    let ways: Vec<&OpenGap> = gaps.iter().filter(|g| g.kind != OpeningKind::Window).collect();
-    let shut = (0..count).filter(is_shut).count();
-    let share = |part: usize, all: usize| part as f64 / all.max(1) as f64;
-    if count == 0 || is_said || ways.is_empty() {
-        return (count > 0).then(|| 1.0 - (1.0 - SURE_OF_SHUT) * share(shut, count));
+    let walked = || gaps.iter().filter(|g| g.kind != OpeningKind::Window);
+    let is_usual = |g: &&OpenGap| (USUAL_WAY_M[0]..=USUAL_WAY_M[1]).contains(&(g.width_m / metres));
+    let all = walked().count();
+    let empty = walked().filter(|g| g.kind == OpeningKind::Passage).count();
+    Ways {
+        rooms,
+        shut: (0..rooms).filter(is_shut).count(),
+        all,
+        empty: if empty < all { empty } else { 0 },
+        odd: all - walked().filter(is_usual).count(),
     }
-    let is_usual = |g: &&&OpenGap| (USUAL_WAY_M[0]..=USUAL_WAY_M[1]).contains(&(g.width_m / metres));
-    let usual = ways.iter().filter(is_usual).count();
-    let empty = ways.iter().filter(|g| g.kind == OpeningKind::Passage).count();
-    Some(sureness::of_ways(Ways {
-        empty: if empty < ways.len() { share(empty, ways.len()) } else { 0.0 },
-        shut: share(shut, count),
-        odd: share(ways.len() - usual, ways.len()),
-    }))
 }
+
+/// How sure the rooms are; nothing where there is none. `is_said`: the file calls its doors so.
+fn sure_of_rooms(ways: &Ways, is_said: bool) -> Option<f64> {
+    let shut = ways.shut as f64 / ways.rooms.max(1) as f64;
+    let sure = if is_said || ways.all == 0 { 1.0 - (1.0 - SURE_OF_SHUT) * shut } else { ways.sure() };
+    (ways.rooms > 0).then_some(sure)
+}
+
+/// Of drawings whose ways are less sure than this, a half and fewer are right (`BENCHMARKS.md`, "Ways into rooms").
+const TOLD_BELOW: f64 = 0.65;
 
 /// Doors and passages that lead into a room, by their places among the openings.
 pub(crate) fn ways_into(floor: &Floor, gaps: &[OpenGap], room: usize) -> impl Iterator<Item = usize> {

@@ -71,23 +71,30 @@ const WAYS_RIGHT: [f64; 4] = [1.48, -4.02, -3.62, -3.60];
 /// A larger share of [`Ways`] says no more. On owners not fitted this is within 0.001 of the best of twelve limits tried.
 const SHARE_MAX: f64 = 0.35;
 
-/// What speaks against the ways into rooms, shares.
-#[derive(Clone, Copy, Debug, Default)]
+/// The ways into rooms, doors and passages, and what speaks against them: how many there are of each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Ways {
-    /// Of the ways those in which nothing is drawn; 0 where no way has a door: such drawings show gaps alone.
-    pub empty: f64,
-    /// Of the rooms those that no way leads into.
-    pub shut: f64,
-    /// Of the ways those narrower or wider than doors.
-    pub odd: f64,
+    /// Rooms.
+    pub rooms: usize,
+    /// Of these, those that no way leads into.
+    pub shut: usize,
+    /// Doors and passages.
+    pub all: usize,
+    /// Of these, those in which nothing is drawn; 0 where no way has a door: such drawings show gaps alone.
+    pub empty: usize,
+    /// Of these, those narrower or wider than doors.
+    pub odd: usize,
 }
 
-/// How sure it is that the ways into the rooms are found.
-pub(crate) fn of_ways(ways: Ways) -> f64 {
-    let [base, weights @ ..] = WAYS_RIGHT;
-    let shares = [ways.empty, ways.shut, ways.odd].map(|share| share.min(SHARE_MAX));
-    let against: f64 = weights.iter().zip(shares).map(|(weight, share)| weight * share).sum();
-    1.0 / (1.0 + (-base - against).exp())
+impl Ways {
+    /// How sure it is that they are found.
+    pub fn sure(&self) -> f64 {
+        let share = |part: usize, all: usize| (part as f64 / all.max(1) as f64).min(SHARE_MAX);
+        let shares = [share(self.empty, self.all), share(self.shut, self.rooms), share(self.odd, self.all)];
+        let [base, weights @ ..] = WAYS_RIGHT;
+        let against: f64 = weights.iter().zip(shares).map(|(weight, share)| weight * share).sum();
+        1.0 / (1.0 + (-base - against).exp())
+    }
 }
 
 /// A record that draws something: its layer, whether it is a wall, and how sure that is.
@@ -153,10 +160,14 @@ mod tests {
 
     #[test]
     fn each_doubt_about_the_ways_counts_as_fitted() {
-        let said = |empty, shut, odd| (100.0 * of_ways(Ways { empty, shut, odd })).round() as i32;
-        let each = [[0.0; 3], [0.2, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.2], [1.0, 0.0, 0.0]];
+        let said = |empty, shut, odd| {
+            let ways = Ways { rooms: 100, all: 100, empty, shut, odd };
+            (100.0 * ways.sure()).round() as i32
+        };
+        let each = [[0; 3], [20, 0, 0], [0, 20, 0], [0, 0, 20], [100, 0, 0]];
         assert_eq!(each.map(|[empty, shut, odd]| said(empty, shut, odd)), [81, 66, 68, 68, 52]);
-        assert_eq!(said(SHARE_MAX, 0.0, 0.0), said(1.0, 0.0, 0.0));
+        assert_eq!(said((100.0 * SHARE_MAX) as usize, 0, 0), said(100, 0, 0));
+        assert_eq!((100.0 * Ways::default().sure()).round() as i32, 81, "nothing to count");
     }
 
     #[test]

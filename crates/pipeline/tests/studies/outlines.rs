@@ -55,6 +55,31 @@ fn doors_drawn_over_closed_outlines_open_them() {
     assert!(reading.rooms.iter().all(|r| !r.doors.is_empty()), "{:?}", reading.rooms);
 }
 
+/// What speaks against the ways into rooms is counted and said; it makes the reading less sure.
+#[test]
+fn rooms_that_nobody_enters_are_told() {
+    let whole = house(ROOMS.map(|r| r.1));
+    let without = |y: &str| {
+        let parts = whole.split("0|LINE|8|DOORS").filter(|p| !p.contains(y)).collect::<Vec<_>>();
+        parts.join("0|LINE|8|DOORS")
+    };
+    let told = |report: &Report| {
+        let of = report.problems.iter().find(|p| p.code == "ways-in-doubt");
+        of.map(|p| p.text.clone())
+    };
+    let (sure, report) = read(&whole);
+    assert_eq!(told(&report), None);
+    let (unsure, report) = read(&without("|20|2.4|"));
+    let text = told(&report).unwrap();
+    assert!(text.contains("nobody can enter 1 of 3 rooms; look"), "{text}");
+    assert!(
+        unsure.sure.rooms.unwrap() < 0.65 && sure.sure.rooms.unwrap() > 0.8,
+        "{:?} {:?}",
+        sure.sure,
+        unsure.sure
+    );
+}
+
 /// A word alone says so; what speaks of a door to the court, or of the storey, does not.
 #[test]
 fn floor_that_a_text_calls_a_court_is_outdoors() {
