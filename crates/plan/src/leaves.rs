@@ -126,7 +126,8 @@ pub(super) fn slips(lines: &[[DVec2; 2]]) -> Vec<([usize; 4], [DVec2; 4])> {
     let length = |s: [DVec2; 2]| s[0].distance(s[1]);
     // The other end of a line that ends here, and which it is.
     let on = |at: DVec2, reach: [f64; 2], but: usize| {
-        let ending = near.near(at, at).into_iter().map(|i| i as usize).filter(move |i| *i != but);
+        let ending = near.near(at - CORNER_M, at + CORNER_M).into_iter();
+        let ending = ending.map(|i| i as usize).filter(move |i| *i != but);
         ending.filter(move |i| (reach[0]..=reach[1]).contains(&length(lines[*i]))).filter_map(move |i| {
             let [a, b] = lines[i];
             let meets = |p: DVec2| p.distance(at) <= CORNER_M;
