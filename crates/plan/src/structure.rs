@@ -12,7 +12,7 @@ use super::drawn::{CLOSED_M, drawn};
 use super::graph::Handle;
 use super::rooms;
 use enfilade_cad::curve::control_point;
-use enfilade_cad::drawing::{Drawing, Shape};
+use enfilade_cad::drawing::{Drawing, Format, Shape};
 use enfilade_engine::geometry::{PointUm, UM_PER_M};
 
 /// What covers ground by its lines: a thick straight wall, by the two ends of its left face and of its right face in ring
@@ -89,6 +89,8 @@ fn leave_uncut(plan: &Plan, drawn: &Drawn, axes: &mut AxisGraph) {
                 && (b - a).normalize_or_zero().dot(along).abs() <= ACROSS_COS
         })
     };
+    // Bodies of a model end where they end: what closes a gap there has ends as well.
+    let is_drawn = plan.format == Format::Dxf;
     let is_framed = |o: &Opening| {
         let [from, to] = o.jambs.map(|j| j.at);
         let along = (to - from).normalize_or_zero();
@@ -102,7 +104,7 @@ fn leave_uncut(plan: &Plan, drawn: &Drawn, axes: &mut AxisGraph) {
         };
         let sides: BTreeSet<bool> = o.through.iter().filter_map(side).collect();
         let is_through = sides.len() == 2 || o.thickness_m == 0.0 && !o.through.is_empty();
-        o.kind == OpeningKind::Door && is_through && !is_framed(o)
+        o.kind == OpeningKind::Door && is_through && !(is_drawn && is_framed(o))
     };
     let in_gaps = |o: &&Opening| o.kind == OpeningKind::Door && o.through.is_empty();
     let uncut = axes.openings.iter().filter(|o| is_uncut(o)).count();

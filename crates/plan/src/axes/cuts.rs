@@ -8,9 +8,7 @@ use super::carrier::Carrier;
 use super::evidence::{Band, Evidence, ordered, tips, trace};
 use super::near::Buckets;
 use super::spans::{self, Span};
-use super::tolerances::{
-    CAVITY_MAX_M, COLLINEAR_M, ERROR_GAP_M, LEAF_M, OPENING_MIN_M, SWING_MAX_RAD, SWING_MIN_RAD,
-};
+use super::tolerances::{COLLINEAR_M, ERROR_GAP_M, LEAF_M, OPENING_MIN_M, SWING_MAX_RAD, SWING_MIN_RAD};
 use super::{Drawn, Mark, OpeningKind, Path, Role, swings};
 
 /// Widest opening between two lines across a wall.
@@ -125,19 +123,12 @@ fn at_marks(axes: &[Axis], evidence: &Evidence<'_>, near: &Buckets, gaps: &mut [
             let swings =
                 around.iter().filter_map(|a| Some((*a, swing_gap(&axes[*a as usize], path, &tips)?)));
             let swings: Vec<(u32, Span)> = swings.collect();
-            // A leaf that opens against another wall touches two walls: which one it is in, is not said. In two that stand
-            // face to face it is in both.
-            let is_said = swings.iter().all(|(a, gap)| {
-                let first = &swings[0];
-                *a == first.0 || is_abreast(&axes[first.0 as usize], first.1, (&axes[*a as usize], *gap))
-            });
-            if is_said && !around.iter().any(|b| ends_at_hinge(&axes[*b as usize], path)) {
-                for (a, gap) in swings {
-                    let axis = &axes[a as usize];
-                    if is_within(gap, axis.span) {
-                        gaps[a as usize].push(as_wide_as_leaf(axis, evidence, path, gap));
-                    }
-                }
+            // A leaf that opens against another wall touches two walls: which one it is in, is not said.
+            if let [(a, gap)] = swings.as_slice()
+                && !around.iter().any(|b| ends_at_hinge(&axes[*b as usize], path))
+                && is_within(*gap, axes[*a as usize].span)
+            {
+                gaps[*a as usize].push(as_wide_as_leaf(&axes[*a as usize], evidence, path, *gap));
             }
             for a in &around {
                 let axis = &axes[*a as usize];
@@ -173,15 +164,6 @@ fn door_side(axis: &Axis, mark: &Mark, path: &Path) -> Option<Side> {
     let is_on_face = |offset: f64| (offset.abs() - axis.thickness / 2.0).abs() <= ERROR_GAP_M;
     let gap = axis.carrier.span_of(&carrier, span);
     (is_on_face(a) && is_on_face(b) && a * b > 0.0).then_some(Side { gap, is_left: a > 0.0 })
-}
-
-/// Whether two gaps lie side by side in walls that stand face to face, or apart by a cavity.
-fn is_abreast(a: &Axis, gap: Span, (b, other): (&Axis, Span)) -> bool {
-    let apart = (a.thickness + b.thickness) / 2.0 + CAVITY_MAX_M;
-    let there = other.map(|s| b.carrier.at(s));
-    let along = a.carrier.span_of(&b.carrier, other);
-    (0..2).all(|k| (along[k] - gap[k]).abs() <= ERROR_GAP_M)
-        && there.iter().all(|p| a.carrier.offset_of(*p).abs() <= apart)
 }
 
 /// Whether a wall ends at a swing's hinge and looks to where its leaf closes or opens: there is a gap.

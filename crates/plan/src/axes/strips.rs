@@ -291,18 +291,12 @@ impl<'a> Choice<'a> {
         self.runs[to as usize].carrier.span_of(&self.runs[from as usize].carrier, span)
     }
 
-    /// What of a cell is still free to be wall. Where closed outlines say that it is one, the other side of its faces may be
-    /// wall too: two leaves that stand face to face.
+    /// What of a cell is still free to be wall.
     fn open(&self, cell: &Cell) -> Vec<Span> {
         let [i, j] = cell.runs;
-        let on = |run: u32, side: usize| {
-            let sides = &self.wall[run as usize];
-            let own = if cell.known == Known::Wall { &sides[side..=side] } else { &sides[..] };
-            own.iter().flatten()
-        };
-        let mut taken: Vec<Span> = on(i, cell.side[0]).copied().collect();
+        let mut taken: Vec<Span> = self.wall[i as usize].iter().flatten().copied().collect();
         let there = self.on(i, cell.span, j);
-        let on_j = on(j, cell.side[1]).filter(|s| spans::overlap(**s, there).is_some());
+        let on_j = self.wall[j as usize].iter().flatten().filter(|s| spans::overlap(**s, there).is_some());
         taken.extend(on_j.map(|s| self.on(j, *s, i)));
         spans::without(cell.span, &taken)
     }

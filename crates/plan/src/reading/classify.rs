@@ -116,7 +116,9 @@ fn with_leaves(scene: &Scene, mut name_of: impl FnMut(&Thing) -> Role, senses: &
     let ring = |r: &[DVec2; 4]| (0..4).map(|k| line([r[k], r[(k + 1) % 4]])).collect::<Vec<Path>>();
     let of_slips = slips.iter().map(|(of, r)| (of.map(|k| lines[k].0).to_vec(), ring(r)));
     let in_slips: BTreeSet<usize> = slips.iter().flat_map(|(of, _)| of.map(|k| lines[k].0)).collect();
-    let alone = may.iter().filter(|i| !in_slips.contains(*i));
+    // A line by itself may as well be a short wall beside the gap.
+    let may_be_wall = |t: &Thing| own(t).len() == 1 && sense(t).is_some_and(|s| s.role.stops_sight());
+    let alone = may.iter().filter(|i| !in_slips.contains(*i) && !may_be_wall(&scene.things[**i]));
     let alone = alone.map(|i| (vec![*i], own(&scene.things[*i]).iter().map(|p| line(ends(p))).collect()));
     let found: Vec<usize> = of_slips
         .chain(alone)
