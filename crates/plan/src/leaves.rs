@@ -1,6 +1,7 @@
 //! Leaves of doors drawn without their swings: a line, or a slip as thin as a leaf, that hangs at the jamb of a gap in a
 //! wall's face, is as long as that gap is wide, and ends free.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use glam::DVec2;
@@ -34,6 +35,32 @@ const FACE_MIN_M: f64 = 0.05;
 /// How much of a gap beside its jambs is not looked at, metres.
 const FRAME_M: f64 = 0.06;
 
+/// Where more ends than this lie in a square of half a metre, nothing is a leaf: hatches, lines drawn over one another. It
+/// keeps their time linear.
+const CROWD: u32 = 200;
+
+/// Squares of half a metre, by how many ends lie in them.
+#[derive(Default)]
+struct Crowd(HashMap<[i64; 2], u32>);
+
+impl Crowd {
+    fn new(ends: impl Iterator<Item = DVec2>) -> Self {
+        let mut out = Self::default();
+        ends.for_each(|p| *out.0.entry(Self::square(p)).or_default() += 1);
+        out
+    }
+
+    fn square(p: DVec2) -> [i64; 2] {
+        [(p.x * 2.0).floor() as i64, (p.y * 2.0).floor() as i64]
+    }
+
+    fn is_at(&self, p: DVec2) -> bool {
+        let [x, y] = Self::square(p);
+        let around = (x - 1..=x + 1).flat_map(|x| (y - 1..=y + 1).map(move |y| [x, y]));
+        around.into_iter().any(|square| self.0.get(&square).is_some_and(|n| *n > CROWD))
+    }
+}
+
 /// A straight piece.
 #[derive(Clone, Copy)]
 pub(super) struct Piece {
@@ -48,16 +75,18 @@ pub(super) struct Piece {
 pub(super) struct Pieces {
     all: Vec<Piece>,
     near: Buckets,
+    crowd: Crowd,
 }
 
 impl Pieces {
     /// Files them.
     pub fn new(pieces: impl Iterator<Item = Piece>) -> Self {
-        let mut out = Self { all: Vec::new(), near: Buckets::new(0.5) };
+        let mut out = Self { all: Vec::new(), near: Buckets::new(0.5), crowd: Crowd::default() };
         for piece in pieces.filter(|p| p.ends.iter().all(|e| e.is_finite())) {
             out.near.add(out.all.len() as u32, &piece.ends);
             out.all.push(piece);
         }
+        out.crowd = Crowd::new(out.all.iter().flat_map(|p| p.ends));
         out
     }
 
@@ -75,6 +104,9 @@ impl Pieces {
     /// The swing of the leaf that a thing draws, from where it stands open to where it closes.
     pub fn swing(&self, paths: &[Path], own: usize) -> Option<Path> {
         let sides = sides(paths);
+        if sides.iter().flatten().any(|end| self.crowd.is_at(*end)) {
+            return None;
+        }
         let ways = sides.iter().flat_map(|[a, b]| [[*a, *b], [*b, *a]]);
         ways.into_iter().find_map(|[hinge, end]| {
             let length = hinge.distance(end);
@@ -123,10 +155,12 @@ impl Pieces {
 pub(super) fn slips(lines: &[[DVec2; 2]]) -> Vec<([usize; 4], [DVec2; 4])> {
     let mut near = Buckets::new(0.25);
     lines.iter().enumerate().for_each(|(i, s)| near.add(i as u32, s));
+    let crowd = Crowd::new(lines.iter().flatten().copied());
     let length = |s: [DVec2; 2]| s[0].distance(s[1]);
     // The other end of a line that ends here, and which it is.
     let on = |at: DVec2, reach: [f64; 2], but: usize| {
-        let ending = near.near(at - CORNER_M, at + CORNER_M).into_iter();
+        let ending = if crowd.is_at(at) { Vec::new() } else { near.near(at - CORNER_M, at + CORNER_M) };
+        let ending = ending.into_iter();
         let ending = ending.map(|i| i as usize).filter(move |i| *i != but);
         ending.filter(move |i| (reach[0]..=reach[1]).contains(&length(lines[*i]))).filter_map(move |i| {
             let [a, b] = lines[i];
