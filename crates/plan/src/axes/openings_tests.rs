@@ -83,19 +83,19 @@ fn a_finish_on_both_faces_is_no_wall() {
 #[test]
 fn steps_of_a_reveal_are_no_walls() {
     let end = |x: f64, out: f64| {
-        let s = x + out * 0.03;
-        let t = x + out * 0.04;
+        let s = x + out * 0.02;
+        let t = x + out * 0.03;
         vec![
             [x, 0.0, x, 0.1],
             [x, 0.1, s, 0.1],
             [s, 0.1, s, 0.2],
             [t, 0.02, t, 0.08],
-            [t, 0.08, t + out * 0.03, 0.08],
-            [t + out * 0.03, 0.08, t + out * 0.03, 0.18],
+            [t, 0.08, t + out * 0.02, 0.08],
+            [t + out * 0.02, 0.08, t + out * 0.02, 0.14],
         ]
     };
     let mut all =
-        vec![[0.0, 0.0, 2.0, 0.0], [0.0, 0.2, 1.97, 0.2], [3.0, 0.0, 6.0, 0.0], [3.03, 0.2, 6.0, 0.2]];
+        vec![[0.0, 0.0, 2.0, 0.0], [0.0, 0.2, 1.98, 0.2], [3.0, 0.0, 6.0, 0.0], [3.02, 0.2, 6.0, 0.2]];
     all.extend(end(2.0, -1.0));
     all.extend(end(3.0, 1.0));
     let mut drawn = lines(&all);
