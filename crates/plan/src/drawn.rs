@@ -85,12 +85,6 @@ fn leaves_alone(
     let of_walls = faces.iter().flat_map(|f| lines(&f.path, usize::MAX, true));
     let beside = others.iter().flat_map(|(i, _, paths)| paths.iter().map(move |p| (*i, p)));
     let beside = beside.filter(|(_, p)| matches!(p, Path::Line { .. })).flat_map(|(i, p)| lines(p, i, false));
-    let may_hang: Vec<&(usize, &Entity, Vec<Path>)> =
-        others.iter().filter(|o| may_be_leaf(plan.reading.role(o.0))).collect();
-    let (slips, whole) = drawn_by_lines(&may_hang);
-    let whole_of = |i: usize| whole.get(&i).copied().unwrap_or(i);
-    let beside = beside.map(|p| leaves::Piece { thing: whole_of(p.thing), ..p });
-    let pieces = leaves::Pieces::new(of_walls.chain(beside));
     let drawn: Vec<&Path> = others.iter().flat_map(|o| &o.2).filter(|p| is_swing(p)).collect();
     let is_like = |p: &Path, q: &Path| match (p, q) {
         (Path::Arc { centre, radius, .. }, Path::Arc { centre: at, radius: other, .. }) => {
@@ -98,29 +92,11 @@ fn leaves_alone(
         }
         _ => false,
     };
-    let alone = may_hang.iter().filter(|(i, ..)| !whole.contains_key(i)).map(|(i, _, paths)| (*i, paths));
-    let all = alone.chain(slips.iter().map(|(i, paths)| (*i, paths)));
-    let swings = all.filter_map(|(i, paths)| Some((i, pieces.swing(paths, i)?)));
-    swings.filter(|(_, swing)| !drawn.iter().any(|p| is_like(p, swing))).collect()
-}
-
-/// Leaves drawn as slips of four lines, by the entity of the first, and for each of their entities which that is.
-fn drawn_by_lines(
-    all: &[&(usize, &Entity, Vec<Path>)],
-) -> (BTreeMap<usize, Vec<Path>>, BTreeMap<usize, usize>) {
-    let line = |(i, _, paths): &&(usize, &Entity, Vec<Path>)| match paths[..] {
-        [Path::Line { a, b }] => Some((*i, [a, b])),
-        _ => None,
-    };
-    let (entities, lines): (Vec<usize>, Vec<[DVec2; 2]>) = all.iter().filter_map(line).unzip();
-    let (mut slips, mut whole) = (BTreeMap::new(), BTreeMap::new());
-    for (of, ring) in leaves::slips(&lines) {
-        let first = entities[of[0]];
-        let side = |k: usize| Path::Line { a: ring[k], b: ring[(k + 1) % ring.len()] };
-        slips.insert(first, (0..ring.len()).map(side).collect());
-        whole.extend(of.map(|k| (entities[k], first)));
-    }
-    (slips, whole)
+    let may_hang = others.iter().filter(|o| may_be_leaf(plan.reading.role(o.0)));
+    let may_hang: Vec<(usize, Vec<Path>)> = may_hang.map(|(i, _, paths)| (*i, paths.clone())).collect();
+    let found = leaves::hung(of_walls.chain(beside), &may_hang);
+    let new = found.into_iter().filter(|(_, swing)| !drawn.iter().any(|p| is_like(p, swing)));
+    new.map(|(of, swing)| (of[0], swing)).collect()
 }
 
 /// Whether what was taken for this may be a leaf without its swing.

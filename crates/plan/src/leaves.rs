@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use super::axes::Path;
 use super::axes::near::Buckets;
-use super::axes::tolerances::LEAF_M;
+use super::axes::tolerances::{COLLINEAR_M, LEAF_M};
 use enfilade_cad::plane::distance_to_segment;
 
 /// Thickest leaf, metres.
@@ -17,11 +17,12 @@ const THICK_M: f64 = 0.07;
 /// Ends nearer than this meet, metres: what a slip of the hand leaves between them.
 const AT_M: f64 = 0.03;
 
-/// What a frame takes of a gap on each side at most, metres: a leaf hangs at it, and is as much shorter.
+/// What a frame takes of a gap on each side at most, metres: a leaf hangs at it, and is as much shorter. Lining and rebate
+/// of a timber frame take up to 90 mm.
 const JAMB_M: f64 = 0.09;
 
-/// Corners of a slip that is drawn by lines are closed up to this, metres.
-const CORNER_M: f64 = 0.004;
+/// Corners of a slip that is drawn by lines are closed up to this, metres: as [`COLLINEAR_M`], what rounding leaves.
+const CORNER_M: f64 = COLLINEAR_M;
 
 /// How far a leaf stands open, radians.
 const OPEN_RAD: [f64; 2] = [0.4, 2.0];
@@ -72,7 +73,7 @@ pub(super) struct Piece {
 }
 
 /// Straight pieces by place.
-pub(super) struct Pieces {
+struct Pieces {
     all: Vec<Piece>,
     near: Buckets,
     crowd: Crowd,
@@ -80,7 +81,7 @@ pub(super) struct Pieces {
 
 impl Pieces {
     /// Files them.
-    pub fn new(pieces: impl Iterator<Item = Piece>) -> Self {
+    fn new(pieces: impl Iterator<Item = Piece>) -> Self {
         let mut out = Self { all: Vec::new(), near: Buckets::new(0.5), crowd: Crowd::default() };
         for piece in pieces.filter(|p| p.ends.iter().all(|e| e.is_finite())) {
             out.near.add(out.all.len() as u32, &piece.ends);
@@ -102,7 +103,7 @@ impl Pieces {
     }
 
     /// The swing of the leaf that a thing draws, from where it stands open to where it closes.
-    pub fn swing(&self, paths: &[Path], own: usize) -> Option<Path> {
+    fn swing(&self, paths: &[Path], own: usize) -> Option<Path> {
         let sides = sides(paths);
         if sides.iter().flatten().any(|end| self.crowd.is_at(*end)) {
             return None;
@@ -150,9 +151,39 @@ impl Pieces {
     }
 }
 
+/// The leaves among things that may be one, each with the things that draw it (one, or the four lines of a slip) and with
+/// the swing that it has not. `pieces`: all that is drawn near them, metres of a person.
+pub(super) fn hung(
+    pieces: impl Iterator<Item = Piece>,
+    may: &[(usize, Vec<Path>)],
+) -> Vec<(Vec<usize>, Path)> {
+    let line = |(thing, paths): &(usize, Vec<Path>)| match paths[..] {
+        [Path::Line { a, b }] => Some((*thing, [a, b])),
+        _ => None,
+    };
+    let (things, lines): (Vec<usize>, Vec<[DVec2; 2]>) = may.iter().filter_map(line).unzip();
+    let slips = slips(&lines);
+    let members = slips.iter().flat_map(|(of, _)| of.map(|k| (things[k], things[of[0]])));
+    let whole: HashMap<usize, usize> = members.collect();
+    let whole_of = |thing: usize| whole.get(&thing).copied().unwrap_or(thing);
+    let pieces = Pieces::new(pieces.map(|p| Piece { thing: whole_of(p.thing), ..p }));
+    let side = |ring: &[DVec2; 4], k: usize| Path::Line { a: ring[k], b: ring[(k + 1) % ring.len()] };
+    let of_slips = slips
+        .iter()
+        .map(|(of, ring)| (of.map(|k| things[k]).to_vec(), (0..ring.len()).map(|k| side(ring, k)).collect()));
+    let alone = may.iter().filter(|(thing, _)| !whole.contains_key(thing));
+    let alone = alone.map(|(thing, paths)| (vec![*thing], paths.clone()));
+    let all = of_slips.chain(alone);
+    all.filter_map(|(of, paths): (Vec<usize>, Vec<Path>)| {
+        let swing = pieces.swing(&paths, whole_of(of[0]))?;
+        Some((of, swing))
+    })
+    .collect()
+}
+
 /// Slips that are drawn by lines of their own, four each: the places of these among `lines`, and the corners in order, the
 /// first line between the first two.
-pub(super) fn slips(lines: &[[DVec2; 2]]) -> Vec<([usize; 4], [DVec2; 4])> {
+fn slips(lines: &[[DVec2; 2]]) -> Vec<([usize; 4], [DVec2; 4])> {
     let mut near = Buckets::new(0.25);
     lines.iter().enumerate().for_each(|(i, s)| near.add(i as u32, s));
     let crowd = Crowd::new(lines.iter().flatten().copied());

@@ -76,26 +76,9 @@ pub fn axes(plan: &Plan, drawing: &Drawing) -> (AxisGraph, Vec<usize>) {
 /// Where most doors stand in gaps of their walls, a swing before a wall that runs on shows no door in it, unless lines across
 /// the wall end it on both sides: it belongs to another storey. In other drawings walls are drawn through.
 fn leave_uncut(plan: &Plan, drawn: &Drawn, axes: &mut AxisGraph) {
-    let mut near = Buckets::new(0.5);
-    let lines = drawn.faces.iter().map(|f| f.path).chain(drawn.marks.iter().flat_map(|m| m.paths.clone()));
-    let lines: Vec<[DVec2; 2]> = lines.filter(|p| matches!(p, Path::Line { .. })).map(|p| p.ends()).collect();
-    lines.iter().enumerate().for_each(|(i, [a, b])| near.add(i as u32, &[a.midpoint(*b)]));
-    let is_across = |at: DVec2, along: DVec2, thickness_m: f64| {
-        let reach = DVec2::splat(2.0 * ERROR_GAP_M);
-        near.near(at - reach, at + reach).into_iter().any(|i| {
-            let [a, b] = lines[i as usize];
-            a.midpoint(b).distance(at) <= 2.0 * ERROR_GAP_M
-                && (a.distance(b) - thickness_m).abs() <= 2.0 * ERROR_GAP_M
-                && (b - a).normalize_or_zero().dot(along).abs() <= ACROSS_COS
-        })
-    };
+    let across = Across::new(drawn);
     // Bodies of a model end where they end: what closes a gap there has ends as well.
     let is_drawn = plan.format == Format::Dxf;
-    let is_framed = |o: &Opening| {
-        let [from, to] = o.jambs.map(|j| j.at);
-        let along = (to - from).normalize_or_zero();
-        o.thickness_m > 0.0 && [from, to].into_iter().all(|at| is_across(at, along, o.thickness_m))
-    };
     let is_uncut = |o: &Opening| {
         let [from, to] = o.jambs.map(|j| j.at);
         let side = |f: &FaceRef| {
@@ -104,7 +87,7 @@ fn leave_uncut(plan: &Plan, drawn: &Drawn, axes: &mut AxisGraph) {
         };
         let sides: BTreeSet<bool> = o.through.iter().filter_map(side).collect();
         let is_through = sides.len() == 2 || o.thickness_m == 0.0 && !o.through.is_empty();
-        o.kind == OpeningKind::Door && is_through && !(is_drawn && is_framed(o))
+        o.kind == OpeningKind::Door && is_through && !(is_drawn && across.ends(o))
     };
     let in_gaps = |o: &&Opening| o.kind == OpeningKind::Door && o.through.is_empty();
     let uncut = axes.openings.iter().filter(|o| is_uncut(o)).count();
@@ -113,7 +96,39 @@ fn leave_uncut(plan: &Plan, drawn: &Drawn, axes: &mut AxisGraph) {
     }
 }
 
-/// What lies across a wall is turned from it by more than this: the cosine.
+/// Straight pieces by their middles: those that lie across a wall end it.
+struct Across {
+    lines: Vec<[DVec2; 2]>,
+    near: Buckets,
+}
+
+impl Across {
+    fn new(drawn: &Drawn) -> Self {
+        let paths = drawn.faces.iter().map(|f| &f.path).chain(drawn.marks.iter().flat_map(|m| &m.paths));
+        let lines: Vec<[DVec2; 2]> =
+            paths.filter(|p| matches!(p, Path::Line { .. })).map(Path::ends).collect();
+        let mut near = Buckets::new(0.5);
+        lines.iter().enumerate().for_each(|(i, [a, b])| near.add(i as u32, &[a.midpoint(*b)]));
+        Self { lines, near }
+    }
+
+    /// Whether one as long as the wall is thick lies at both jambs.
+    fn ends(&self, o: &Opening) -> bool {
+        let along = (o.jambs[1].at - o.jambs[0].at).normalize_or_zero();
+        let reach = 2.0 * ERROR_GAP_M;
+        let is_at = |at: DVec2| {
+            self.near.near(at - reach, at + reach).into_iter().any(|i| {
+                let [a, b] = self.lines[i as usize];
+                a.midpoint(b).distance(at) <= reach
+                    && (a.distance(b) - o.thickness_m).abs() <= reach
+                    && (b - a).normalize_or_zero().dot(along).abs() <= ACROSS_COS
+            })
+        };
+        o.thickness_m > 0.0 && o.jambs.iter().all(|j| is_at(j.at))
+    }
+}
+
+/// A jamb stands square to its wall, or up to 12° askew: the cosine.
 const ACROSS_COS: f64 = 0.2;
 
 /// The thick straight walls of an axis graph, and its columns that are drawn by single lines. What another wall's joint

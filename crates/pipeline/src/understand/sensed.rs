@@ -137,7 +137,7 @@ impl Sensed {
         .flatten()
         .collect();
         let text = format!(
-            "doors may be missing, or gaps that are none taken for ways in: {}; look at the picture (--preview); --door, \
+            "doors may be missing, or gaps taken for ways in by mistake: {}; look at the picture (--preview); --door, \
              --window, --wall and --not-wall correct it",
             said.join(", ")
         );
@@ -175,14 +175,14 @@ fn ways(floor: &Floor, gaps: &[OpenGap], (metres, is_open): (f64, bool)) -> Ways
     }
 }
 
-/// How sure the rooms are; nothing where there is none. `is_said`: the file calls its doors so.
+/// How sure the rooms are; nothing without rooms. `is_said`: the file calls its doors so.
 fn sure_of_rooms(ways: &Ways, is_said: bool) -> Option<f64> {
     let shut = ways.shut as f64 / ways.rooms.max(1) as f64;
     let sure = if is_said || ways.all == 0 { 1.0 - (1.0 - SURE_OF_SHUT) * shut } else { ways.sure() };
     (ways.rooms > 0).then_some(sure)
 }
 
-/// Of drawings whose ways are less sure than this, a half and fewer are right (`BENCHMARKS.md`, "Ways into rooms").
+/// Of drawings whose ways are less sure than this, a third is right (`BENCHMARKS.md`, "Ways into rooms").
 const TOLD_BELOW: f64 = 0.65;
 
 /// Doors and passages that lead into a room, by their places among the openings.
