@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::Plan;
 use super::axes::evidence::trace;
-use super::axes::tolerances::{LEAF_M, SWING_MAX_RAD, SWING_MIN_RAD};
+use super::axes::swing::Swing;
 use super::axes::{Drawn, Face, Mark, Path, Role, paths_of};
 use super::dots;
 use super::leaves;
@@ -85,17 +85,13 @@ fn leaves_alone(
     let of_walls = faces.iter().flat_map(|f| lines(&f.path, usize::MAX, true));
     let beside = others.iter().flat_map(|(i, _, paths)| paths.iter().map(move |p| (*i, p)));
     let beside = beside.filter(|(_, p)| matches!(p, Path::Line { .. })).flat_map(|(i, p)| lines(p, i, false));
-    let drawn: Vec<&Path> = others.iter().flat_map(|o| &o.2).filter(|p| is_swing(p)).collect();
-    let is_like = |p: &Path, q: &Path| match (p, q) {
-        (Path::Arc { centre, radius, .. }, Path::Arc { centre: at, radius: other, .. }) => {
-            centre.distance(*at) <= OWN_SWING_M && (radius - other).abs() <= OWN_SWING_M
-        }
-        _ => false,
-    };
+    let drawn: Vec<Swing> = others.iter().flat_map(|o| &o.2).filter_map(Swing::of).collect();
+    let is_drawn =
+        |arc: &Path| Swing::of(arc).is_some_and(|s| drawn.iter().any(|other| s.is_like(other, OWN_SWING_M)));
     let may_hang = others.iter().filter(|o| may_be_leaf(plan.reading.role(o.0)));
     let may_hang: Vec<(usize, Vec<Path>)> = may_hang.map(|(i, _, paths)| (*i, paths.clone())).collect();
     let found = leaves::hung(of_walls.chain(beside), &may_hang);
-    let new = found.into_iter().filter(|(_, swing)| !drawn.iter().any(|p| is_like(p, swing)));
+    let new = found.into_iter().filter(|(_, swing)| !is_drawn(swing));
     new.map(|(of, swing)| (of[0], swing)).collect()
 }
 
@@ -147,7 +143,9 @@ fn join_swings(drawing: &Drawing, walls: &DrawnWalls<'_>, marks: &mut [Mark], ma
     }
     for of_one in together.into_values() {
         let parts: Vec<&[Path]> = of_one.iter().map(|m| marks[*m].paths.as_slice()).collect();
-        for (row, arc) in rounds::arcs_in_parts(&parts).into_iter().filter(|(_, arc)| is_swing(arc)) {
+        for (row, arc) in
+            rounds::arcs_in_parts(&parts).into_iter().filter(|(_, arc)| Swing::of(arc).is_some())
+        {
             row.iter().for_each(|k| marks[of_one[*k]].paths = vec![arc]);
         }
     }
@@ -186,22 +184,16 @@ fn leave_paving(marks: &mut Vec<Mark>, marked: &mut Vec<usize>) {
 /// The arc of a door's swing where chords trace one, else the pieces as they are.
 pub(super) fn swing_or(paths: Vec<Path>) -> Vec<Path> {
     match rounds::as_arc(&paths) {
-        Some(arc) if is_swing(&arc) => vec![arc],
+        Some(arc) if Swing::of(&arc).is_some() => vec![arc],
         _ => paths,
     }
-}
-
-/// Whether an arc may be the swing of a door, by its size.
-pub(super) fn is_swing(path: &Path) -> bool {
-    matches!(path, Path::Arc { radius, sweep_rad, .. }
-        if (LEAF_M[0]..=LEAF_M[1]).contains(radius) && (SWING_MIN_RAD..SWING_MAX_RAD).contains(sweep_rad))
 }
 
 /// What an entity says about an opening: by what it was taken for, else by its shape.
 fn mark_role(plan: &Plan, i: usize, paths: &[Path]) -> Option<Role> {
     let role = plan.reading.role(i);
     let tells = |p: &Path| match p {
-        Path::Arc { .. } => is_swing(p),
+        Path::Arc { .. } => Swing::of(p).is_some(),
         Path::Line { .. } => role == roles::Role::Unknown,
     };
     mark_role_of(role).or_else(|| paths.iter().any(tells).then_some(Role::Unknown))

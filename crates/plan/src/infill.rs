@@ -3,10 +3,10 @@
 use glam::DVec2;
 
 use super::Plan;
-use super::axes::tolerances::BOTH_WAYS_RAD;
+use super::axes::swing::Swing;
 use super::axes::{AxisGraph, Opening, Path, paths_of};
 use super::curve::trace as trace_of;
-use super::drawn::{DrawnWalls, is_swing, swing_or};
+use super::drawn::{DrawnWalls, swing_or};
 use super::hidden::Hidden;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Drawing, Entity, Format};
@@ -54,15 +54,12 @@ pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Seg
         let by_name = fills(role);
         let may_swing = by_name || matches!(role, roles::Role::Wall | roles::Role::Unknown);
         for path in swing_or(paths_of(&e.shape, place)) {
-            match path {
-                Path::Line { a, b } if by_name => out.push([a, b]),
-                Path::Arc { centre, radius, start_rad, sweep_rad } if may_swing && is_swing(&path) => {
-                    // A leaf that turns to both sides closes between its ends.
-                    let middle = centre + DVec2::from_angle(start_rad + sweep_rad / 2.0) * radius;
-                    let shut = path.ends().into_iter().chain((sweep_rad > BOTH_WAYS_RAD).then_some(middle));
-                    out.extend(shut.map(|p| [centre, p]));
-                }
-                _ => {}
+            let shut = Swing::of(&path).filter(|_| may_swing);
+            out.extend(shut.iter().flat_map(|s| s.tips().into_iter().map(|tip| [s.hinge, tip])));
+            if let Path::Line { a, b } = path
+                && by_name
+            {
+                out.push([a, b]);
             }
         }
     }

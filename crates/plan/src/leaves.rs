@@ -3,12 +3,14 @@
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 
 use glam::DVec2;
 
 use super::axes::Path;
 use super::axes::near::Buckets;
-use super::axes::tolerances::{COLLINEAR_M, LEAF_M};
+use super::axes::swing::LEAF_M;
+use super::axes::tolerances::COLLINEAR_M;
 use enfilade_cad::plane::distance_to_segment;
 
 /// Thickest leaf, metres.
@@ -189,24 +191,22 @@ fn slips(lines: &[[DVec2; 2]]) -> Vec<([usize; 4], [DVec2; 4])> {
     let crowd = Crowd::new(lines.iter().flatten().copied());
     let length = |s: [DVec2; 2]| s[0].distance(s[1]);
     // The other end of a line that ends here, and which it is.
-    let on = |at: DVec2, reach: [f64; 2], but: usize| {
+    let on = |at: DVec2, reach: RangeInclusive<f64>, but: usize| {
         let ending = if crowd.is_at(at) { Vec::new() } else { near.near(at - CORNER_M, at + CORNER_M) };
         let ending = ending.into_iter();
         let ending = ending.map(|i| i as usize).filter(move |i| *i != but);
-        ending.filter(move |i| (reach[0]..=reach[1]).contains(&length(lines[*i]))).filter_map(move |i| {
+        ending.filter(move |i| reach.contains(&length(lines[*i]))).filter_map(move |i| {
             let [a, b] = lines[i];
             let meets = |p: DVec2| p.distance(at) <= CORNER_M;
             if meets(a) { Some((i, b)) } else { meets(b).then_some((i, a)) }
         })
     };
-    let edge = [CORNER_M, THICK_M];
+    let edge = CORNER_M..=THICK_M;
     let mut out = Vec::new();
-    for (first, [a, b]) in
-        lines.iter().copied().enumerate().filter(|(_, s)| (LEAF_M[0]..=LEAF_M[1]).contains(&length(*s)))
-    {
-        let found = on(b, edge, first).find_map(|(second, c)| {
+    for (first, [a, b]) in lines.iter().copied().enumerate().filter(|(_, s)| LEAF_M.contains(&length(*s))) {
+        let found = on(b, edge.clone(), first).find_map(|(second, c)| {
             let (third, d) = on(c, LEAF_M, first).find(|(_, d)| d.distance(a) <= THICK_M + CORNER_M)?;
-            let (fourth, _) = on(d, edge, third).find(|(_, e)| e.distance(a) <= CORNER_M)?;
+            let (fourth, _) = on(d, edge.clone(), third).find(|(_, e)| e.distance(a) <= CORNER_M)?;
             (first < third).then_some(([first, second, third, fourth], [a, b, c, d]))
         });
         out.extend(found);
@@ -229,7 +229,7 @@ fn out_of([a, b]: [DVec2; 2], at: DVec2, reach: f64) -> Option<DVec2> {
 /// The long sides of what may be a leaf: one line, or a slip of four.
 fn sides(paths: &[Path]) -> Vec<[DVec2; 2]> {
     let lines: Vec<[DVec2; 2]> = paths.iter().map(Path::ends).collect();
-    let is_long = |s: &[DVec2; 2]| (LEAF_M[0]..=LEAF_M[1]).contains(&s[0].distance(s[1]));
+    let is_long = |s: &[DVec2; 2]| LEAF_M.contains(&s[0].distance(s[1]));
     let is_straight = paths.iter().all(|p| matches!(p, Path::Line { .. }));
     match lines[..] {
         _ if !is_straight => Vec::new(),

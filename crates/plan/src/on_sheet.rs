@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec2;
 
+use super::axes::swing::LEAF_M;
 use super::by_place::{ByPlace, Entities, area, gap, is_in, wider};
 use super::parallels::{Piece, pieces};
 use super::view_names::{Title, is_of_elevations, is_of_title_block, title_of};
@@ -21,8 +22,6 @@ const BESIDE_SHARE: f64 = 0.4;
 
 /// Lines that end nearer to others than this are closed, metres.
 const SAME_M: f64 = 0.01;
-/// Radii of the swings of doors, metres.
-const SWING_M: RangeInclusive<f64> = 0.5..=1.4;
 
 /// A sheet by place. All boxes in drawing units.
 pub struct OnSheet<'d> {
@@ -158,7 +157,7 @@ impl<'d> OnSheet<'d> {
         let is_door = |e: &Entity| {
             let named = e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]);
             let swings = match e.shape {
-                Shape::Arc { radius, .. } => SWING_M.contains(&(radius * self.metres_per_unit)),
+                Shape::Arc { radius, .. } => LEAF_M.contains(&(radius * self.metres_per_unit)),
                 _ => false,
             };
             swings || named.map(|n| role_by_name(n).0).any(|r| r == Role::Door)

@@ -9,11 +9,11 @@ use super::near::Buckets;
 use super::runs::{Groups, Run};
 use super::spans::{self, Span};
 use super::strips::Paired;
+use super::swing::Swing;
 use super::tolerances::{
-    BOTH_WAYS_RAD, CROSSING_MIN_RAD, ERROR_GAP_M, LEAF_M, ONE_SIDED_GAP_M, OPENING_MAX_M, PASSAGE_MAX_M,
-    SWING_MIN_RAD, THICKNESS_MAX_M,
+    CROSSING_MIN_RAD, ERROR_GAP_M, ONE_SIDED_GAP_M, OPENING_MAX_M, PASSAGE_MAX_M, THICKNESS_MAX_M,
 };
-use super::{AxisGraph, Drawn, Leftover, cuts};
+use super::{AxisGraph, Drawn, Leftover, Path, cuts};
 
 /// Axes whose lines lie this near, with like thickness, are in one row.
 const ROW_M: f64 = 0.015;
@@ -142,13 +142,9 @@ fn single_axes(
 
 /// Whether a run by itself looks like the swing of a door.
 fn is_leaf_swing(run: &Run) -> bool {
-    match run.carrier {
-        Carrier::Circle { radius, .. } => {
-            let turn = run.length() / radius;
-            (LEAF_M[0]..=LEAF_M[1]).contains(&radius) && (SWING_MIN_RAD..BOTH_WAYS_RAD).contains(&turn)
-        }
-        Carrier::Line { .. } => false,
-    }
+    let Carrier::Circle { centre, radius, .. } = run.carrier else { return false };
+    let arc = Path::Arc { centre, radius, start_rad: 0.0, sweep_rad: run.length() / radius };
+    Swing::of(&arc).is_some_and(|s| !s.is_both_ways())
 }
 
 /// Gathers axes on common lines, and joins those in a row that only one face interrupts.

@@ -5,10 +5,11 @@ use glam::DVec2;
 
 use super::axis::{Axis, Spare};
 use super::carrier::Carrier;
-use super::evidence::{Band, Evidence, ordered, tips, trace};
+use super::evidence::{Band, Evidence, ordered, trace};
 use super::near::Buckets;
 use super::spans::{self, Span};
-use super::tolerances::{COLLINEAR_M, ERROR_GAP_M, LEAF_M, OPENING_MIN_M, SWING_MAX_RAD, SWING_MIN_RAD};
+use super::swing::{LEAF_M, Swing};
+use super::tolerances::{COLLINEAR_M, ERROR_GAP_M, OPENING_MIN_M};
 use super::{Drawn, Mark, OpeningKind, Path, Role, swings};
 
 /// Widest opening between two lines across a wall.
@@ -118,17 +119,18 @@ fn at_marks(axes: &[Axis], evidence: &Evidence<'_>, near: &Buckets, gaps: &mut [
     let mut doors: Vec<Vec<Side>> = vec![Vec::new(); axes.len()];
     for (m, mark) in evidence.drawn.marks.iter().enumerate() {
         for path in &mark.paths {
-            let around = near.along(&trace(path), LEAF_M[0]);
-            let tips = closed_tips(path, meeting.get(&(m as u32)));
-            let swings =
-                around.iter().filter_map(|a| Some((*a, swing_gap(&axes[*a as usize], path, &tips)?)));
-            let swings: Vec<(u32, Span)> = swings.collect();
-            // A leaf that opens against another wall touches two walls: which one it is in, is not said.
-            if let [(a, gap)] = swings.as_slice()
-                && !around.iter().any(|b| ends_at_hinge(&axes[*b as usize], path))
-                && is_within(*gap, axes[*a as usize].span)
-            {
-                gaps[*a as usize].push(as_wide_as_leaf(&axes[*a as usize], evidence, path, *gap));
+            let around = near.along(&trace(path), *LEAF_M.start());
+            if let Some(swing) = Swing::of(path) {
+                let tips = closed_tips(&swing, meeting.get(&(m as u32)));
+                let of = |a: &u32| Some((*a, swing_gap(&axes[*a as usize], &swing, &tips)?));
+                let in_walls: Vec<(u32, Span)> = around.iter().filter_map(of).collect();
+                // A leaf that opens against another wall touches two walls: which one it is in, is not said.
+                if let [(a, gap)] = in_walls.as_slice()
+                    && !around.iter().any(|b| ends_at_hinge(&axes[*b as usize], &swing))
+                    && is_within(*gap, axes[*a as usize].span)
+                {
+                    gaps[*a as usize].push(as_wide_as_leaf(&axes[*a as usize], evidence, &swing, *gap));
+                }
             }
             for a in &around {
                 let axis = &axes[*a as usize];
@@ -167,13 +169,13 @@ fn door_side(axis: &Axis, mark: &Mark, path: &Path) -> Option<Side> {
 }
 
 /// Whether a wall ends at a swing's hinge and looks to where its leaf closes or opens: there is a gap.
-fn ends_at_hinge(axis: &Axis, path: &Path) -> bool {
-    let Path::Arc { centre, radius, .. } = *path else { return false };
+fn ends_at_hinge(axis: &Axis, swing: &Swing) -> bool {
+    let Swing { hinge, radius, .. } = *swing;
     (0..2).any(|e| {
         let out = axis.carrier.tangent(axis.span[e]) * if e == 1 { 1.0 } else { -1.0 };
-        let looks = |p: DVec2| (p - centre).dot(out) > 0.9 * radius;
-        axis.carrier.at(axis.span[e]).distance(centre) < axis.thickness / 2.0 + 2.0 * HINGE_BESIDE_M
-            && path.ends().into_iter().any(looks)
+        let looks = |p: DVec2| (p - hinge).dot(out) > 0.9 * radius;
+        axis.carrier.at(axis.span[e]).distance(hinge) < axis.thickness / 2.0 + 2.0 * HINGE_BESIDE_M
+            && swing.ends().into_iter().any(looks)
     })
 }
 
@@ -182,38 +184,33 @@ fn is_within(gap: Span, span: Span) -> bool {
 }
 
 /// Where the leaf of a swing may close; `meeting`: where it meets its twin, if it has one.
-fn closed_tips(path: &Path, meeting: Option<&Vec<[DVec2; 2]>>) -> Vec<DVec2> {
-    let Path::Arc { centre, .. } = *path else { return Vec::new() };
-    let met: Vec<DVec2> = meeting.into_iter().flatten().filter(|l| l[0] == centre).map(|l| l[1]).collect();
-    if met.is_empty() { tips(path) } else { met }
+fn closed_tips(swing: &Swing, meeting: Option<&Vec<[DVec2; 2]>>) -> Vec<DVec2> {
+    let own = meeting.into_iter().flatten().filter(|l| l[0] == swing.hinge);
+    let met: Vec<DVec2> = own.map(|l| l[1]).collect();
+    if met.is_empty() { swing.tips() } else { met }
 }
 
 /// From a swing's hinge to where its leaf closes.
-fn swing_gap(axis: &Axis, path: &Path, tips: &[DVec2]) -> Option<Span> {
-    let Path::Arc { centre, radius, sweep_rad, .. } = *path else { return None };
+fn swing_gap(axis: &Axis, swing: &Swing, tips: &[DVec2]) -> Option<Span> {
     let band = Band { carrier: axis.carrier, gap: axis.span, half: axis.thickness / 2.0 };
-    if !(LEAF_M[0]..=LEAF_M[1]).contains(&radius)
-        || !(SWING_MIN_RAD..SWING_MAX_RAD).contains(&sweep_rad)
-        || !band.has(centre, HINGE_BESIDE_M)
-    {
+    if !band.has(swing.hinge, HINGE_BESIDE_M) {
         return None;
     }
+    let from = axis.carrier.s_of(swing.hinge);
     let closed = tips.iter().copied().filter(|e| band.has(*e, HINGE_BESIDE_M));
-    let far = closed
-        .map(|e| axis.carrier.s_of(e))
-        .find(|s| (s - axis.carrier.s_of(centre)).abs() > 0.9 * radius)?;
-    Some(ordered(axis.carrier.s_of(centre), far))
+    let far = closed.map(|e| axis.carrier.s_of(e)).find(|s| (s - from).abs() > 0.9 * swing.radius)?;
+    Some(ordered(from, far))
 }
 
 /// From a swing's hinge as far as the closed leaf is drawn, where that is farther: some draw the swing at half its size.
-fn as_wide_as_leaf(axis: &Axis, evidence: &Evidence<'_>, swing: &Path, gap: Span) -> Span {
-    let Path::Arc { centre, radius, .. } = *swing else { return gap };
+fn as_wide_as_leaf(axis: &Axis, evidence: &Evidence<'_>, swing: &Swing, gap: Span) -> Span {
+    let Swing { hinge, radius, .. } = *swing;
     let band = Band { carrier: axis.carrier, gap: axis.span, half: axis.thickness / 2.0 };
     let is_leaf = |p: &&Path| {
         let ends = p.ends();
         matches!(p, Path::Line { .. })
             && p.length_m() <= 2.0 * radius + ERROR_GAP_M
-            && ends.iter().any(|e| e.distance(centre) <= ERROR_GAP_M)
+            && ends.iter().any(|e| e.distance(hinge) <= ERROR_GAP_M)
             && ends.iter().all(|e| band.has(*e, HINGE_BESIDE_M))
     };
     let of_doors = evidence.drawn.marks.iter().filter(|m| m.role == Role::Door);

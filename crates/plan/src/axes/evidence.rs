@@ -6,9 +6,8 @@ use super::axis::Spare;
 use super::carrier::Carrier;
 use super::near::Buckets;
 use super::spans::{self, Span};
-use super::tolerances::{
-    BOTH_WAYS_RAD, COLLINEAR_M, ERROR_GAP_M, LEAF_M, PASSAGE_MAX_M, SWING_MAX_RAD, SWING_MIN_RAD,
-};
+use super::swing::{LEAF_M, Swing};
+use super::tolerances::{COLLINEAR_M, ERROR_GAP_M, PASSAGE_MAX_M};
 use super::{Drawn, Mark, OpeningKind, Path, Role, Shown};
 use enfilade_cad::plane::is_inside_ring;
 
@@ -65,14 +64,14 @@ impl<'a> Evidence<'a> {
         };
         let around = carrier.points(gap);
         let mut seen = Seen { gap_m: spans::length(gap), ..Seen::default() };
-        for m in self.marks_near.along(&around, band.half + LEAF_M[1]) {
+        for m in self.marks_near.along(&around, band.half + LEAF_M.end()) {
             let mark = &self.drawn.marks[m as usize];
             if seen.look_at(mark, &band) {
                 seen.marks.push(m);
             }
         }
         let groups: Vec<u32> = seen.marks.iter().map(|m| self.drawn.marks[*m as usize].group).collect();
-        for m in self.marks_near.along(&around, band.half + 2.0 * LEAF_M[1]) {
+        for m in self.marks_near.along(&around, band.half + 2.0 * LEAF_M.end()) {
             let mark = &self.drawn.marks[m as usize];
             if groups.contains(&mark.group) {
                 seen.marks.push(m);
@@ -89,7 +88,7 @@ impl<'a> Evidence<'a> {
         }
         seen.marks.sort_unstable();
         seen.marks.dedup();
-        for s in self.spares_near.along(&around, band.half + LEAF_M[1]) {
+        for s in self.spares_near.along(&around, band.half + LEAF_M.end()) {
             let spare = &self.spares[s as usize];
             let path = path_of(spare);
             let is_swing = band.has_swing(&path);
@@ -113,7 +112,7 @@ impl<'a> Evidence<'a> {
             let mut points = mark.paths.iter().flat_map(trace);
             matches!(mark.role, Role::Window | Role::Glazing) && points.all(|p| p.distance(middle) <= reach)
         };
-        let near = self.marks_near.along(around, band.half + LEAF_M[1]);
+        let near = self.marks_near.along(around, band.half + LEAF_M.end());
         let ends_of = |m: u32| {
             let paths = &self.drawn.marks[m as usize].paths;
             (m, paths.iter().flat_map(Path::ends).collect::<Vec<DVec2>>())
@@ -163,17 +162,6 @@ fn path_of(spare: &Spare) -> Path {
             sweep_rad: spans::length(spare.span) / radius,
         },
     }
-}
-
-/// Where the leaf of a swing may close: at either end, or in the middle where it opens to both sides.
-pub fn tips(swing: &Path) -> Vec<DVec2> {
-    let mut out = swing.ends().to_vec();
-    if let Path::Arc { centre, radius, start_rad, sweep_rad } = *swing
-        && sweep_rad > BOTH_WAYS_RAD
-    {
-        out.push(centre + DVec2::from_angle(start_rad + sweep_rad / 2.0) * radius);
-    }
-    out
 }
 
 /// The place of a gap in its wall.
@@ -247,18 +235,18 @@ impl Band {
 
     /// An arc about a hinge at a jamb that closes the gap, alone or with its twin.
     fn has_swing(&self, path: &Path) -> bool {
-        let Path::Arc { centre, radius, sweep_rad, .. } = *path else { return false };
+        let Some(swing) = Swing::of_any_size(path) else { return false };
+        let Swing { hinge, radius, .. } = swing;
         let width = spans::length(self.gap);
-        let s = self.carrier.s_of(centre);
+        let s = self.carrier.s_of(hinge);
         let at_jamb = self.gap.iter().any(|g| (g - s).abs() <= HINGE_M);
         let closes = |e: &DVec2| {
             let to = self.carrier.s_of(*e);
             self.has(*e, HINGE_M) && (to - s).abs() > 0.9 * radius
         };
         at_jamb
-            && tips(path).iter().any(closes)
-            && self.carrier.offset_of(centre).abs() <= self.half + HINGE_M
-            && (SWING_MIN_RAD..SWING_MAX_RAD).contains(&sweep_rad)
+            && swing.tips().iter().any(closes)
+            && self.carrier.offset_of(hinge).abs() <= self.half + HINGE_M
             && radius > 0.35 * width
             && radius < 1.15 * width + 0.05
     }

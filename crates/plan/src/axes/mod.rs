@@ -33,6 +33,7 @@ mod shell;
 mod solids;
 mod spans;
 mod strips;
+pub mod swing;
 mod swings;
 #[cfg(test)]
 mod tests;

@@ -7,9 +7,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::carrier::Carrier;
-use super::evidence::{Evidence, tips, trace};
+use super::evidence::{Evidence, trace};
 use super::near::Buckets;
-use super::tolerances::{LEAF_M, OPENING_MIN_M, SWING_MAX_RAD, SWING_MIN_RAD};
+use super::swing::Swing;
+use super::tolerances::OPENING_MIN_M;
 use super::{AxisGraph, Drawn, Edge, Jamb, NodeKind, Opening, OpeningKind, Path, Shown};
 use enfilade_cad::curve::bulge_arc;
 use enfilade_cad::plane::{distance_to_segment, is_inside_ring};
@@ -108,18 +109,16 @@ fn leaves(drawn: &Drawn, claimed: &BTreeSet<u32>) -> Vec<Leaf> {
     let mut out: Vec<Leaf> = Vec::new();
     let mut seen: BTreeSet<[i64; 4]> = BTreeSet::new();
     for (m, mark) in drawn.marks.iter().enumerate() {
-        let is_swing = |p: &&Path| {
-            matches!(p, Path::Arc { radius, sweep_rad, .. }
-                    if (LEAF_M[0]..=LEAF_M[1]).contains(radius) && (SWING_MIN_RAD..SWING_MAX_RAD).contains(sweep_rad))
-        };
-        for path in mark.paths.iter().filter(is_swing).filter(|_| !claimed.contains(&(m as u32))) {
-            let Path::Arc { centre, .. } = *path else { continue };
+        if claimed.contains(&(m as u32)) {
+            continue;
+        }
+        for swing in mark.paths.iter().filter_map(Swing::of) {
             // The parts of a swing that was drawn in parts have one arc.
             let is_new = |l: &Leaf| {
                 let mm = [l.hinge.x, l.hinge.y, l.tip.x, l.tip.y].map(|v| (v * 1e3).round() as i64);
                 seen.insert(mm)
             };
-            let ways = tips(path).into_iter().map(|tip| Leaf { mark: m as u32, hinge: centre, tip });
+            let ways = swing.tips().into_iter().map(|tip| Leaf { mark: m as u32, hinge: swing.hinge, tip });
             out.extend(ways.filter(is_new));
         }
     }
@@ -309,8 +308,8 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
 
     use super::super::Role;
+    use super::super::swing::{BOTH_WAYS_RAD, TURN_END_RAD};
     use super::super::tests::{lines, mark};
-    use super::super::tolerances::BOTH_WAYS_RAD;
     use super::*;
 
     fn swing(x: f64, y: f64, radius: f64, start_rad: f64, sweep_rad: f64) -> Path {
@@ -359,8 +358,8 @@ mod tests {
         for (sweep, count) in [
             (BOTH_WAYS_RAD + 0.01, 1),
             (BOTH_WAYS_RAD - 0.01, 0),
-            (SWING_MAX_RAD - 0.01, 1),
-            (SWING_MAX_RAD, 0),
+            (TURN_END_RAD - 0.01, 1),
+            (TURN_END_RAD, 0),
         ] {
             assert_eq!(doors(&corridor(&turned(sweep))).len(), count, "{sweep}");
         }

@@ -76,15 +76,3 @@ pub const CIRCLE_FIT_M: f64 = 0.006;
 
 /// How far a traced curve's chords may lie from the circle: coarse tracing.
 pub const SAGITTA_MAX_M: f64 = 0.025;
-
-/// Widths of door leaves, and radii of their swings: from a cupboard's to a gate's.
-pub const LEAF_M: [f64; 2] = [0.4, 1.6];
-
-/// How far the swing of a leaf that is drawn open turns at least; [`SWING_MAX_RAD`] at most.
-pub const SWING_MIN_RAD: f64 = 0.5;
-
-/// A leaf that turns farther opens to both sides, and closes in the middle of its swing.
-pub const BOTH_WAYS_RAD: f64 = 2.2;
-
-/// No leaf turns farther.
-pub const SWING_MAX_RAD: f64 = 3.3;
