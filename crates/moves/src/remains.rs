@@ -7,9 +7,9 @@ use glam::DVec2;
 use super::joined::{SIDE_SIN, along};
 use enfilade_cad::drawing::Editable;
 use enfilade_plan::Plan;
-use enfilade_plan::axes::tolerances::ERROR_GAP_M;
 use enfilade_plan::axes::{AxisGraph, Edge, FaceRef};
 use enfilade_plan::graph::Handle;
+use enfilade_plan::sizes::ERROR_GAP_M;
 use enfilade_plan::structure::{face_handles, handle_at};
 
 /// What must remain of a side, metres of a person. A side that is drawn shorter may not become shorter still.

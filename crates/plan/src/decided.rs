@@ -12,6 +12,7 @@ use super::axes::{Path, Role};
 use super::curve::{self, Trace};
 use super::frame::Frame;
 use super::{Plan, Wall};
+use crate::sizes::THICKNESS_THIN_M;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Drawing, Editable, Entity, Shape, SourceRef, Vertex, place};
 use enfilade_cad::own_layers::{self, NEW, OPEN, REMOVE};
@@ -73,9 +74,6 @@ pub struct Decided {
     /// What is built: walls, the leaf of a door, glass.
     pub built: Vec<Trace>,
 }
-
-/// Thickness of a new wall where neither the mark nor the plan says one, metres of a person: a partition of boards.
-pub const USUAL_THICKNESS_M: f64 = 0.1;
 
 /// How far beside a new wall the text may stand that says its thickness, metres of a person.
 const TEXT_BESIDE_M: f64 = 1.0;
@@ -364,7 +362,7 @@ fn usual_thickness_m(plan: &Plan, drawing: &Drawing) -> f64 {
         before += length;
         before >= all / 4.0
     });
-    usual.map_or(USUAL_THICKNESS_M, |k| k.0)
+    usual.map_or(THICKNESS_THIN_M, |k| k.0)
 }
 
 /// Says what is decided.

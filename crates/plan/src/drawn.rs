@@ -14,13 +14,11 @@ use super::parallels::Straight;
 use super::paving;
 use super::reading::Names;
 use super::rounds;
+use crate::sizes::{FRAME_M, ZERO_M};
 use enfilade_cad::drawing::{Drawing, Entity, Shape};
 use enfilade_cad::own_layers;
 use enfilade_cad::roles::{self, role_by_name};
 use enfilade_engine::geometry::UM_PER_M;
-
-/// Ends of a polyline nearer than this are one: it is closed although it does not say so.
-pub(super) const CLOSED_M: f64 = 0.001;
 
 /// What the axis graph is understood from: all pieces of the walls, and the entities that may be part of
 /// a door or a window; for every mark the index of its entity.
@@ -70,9 +68,6 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     (out, marked)
 }
 
-/// How far the hinge and the radius of a swing lie from those of its leaf at most, metres of a person.
-const OWN_SWING_M: f64 = 0.15;
-
 /// The swings of leaves that are drawn without them, by entity.
 fn leaves_alone(
     plan: &Plan,
@@ -87,7 +82,7 @@ fn leaves_alone(
     let beside = beside.filter(|(_, p)| matches!(p, Path::Line { .. })).flat_map(|(i, p)| lines(p, i, false));
     let drawn: Vec<Swing> = others.iter().flat_map(|o| &o.2).filter_map(Swing::of).collect();
     let is_drawn =
-        |arc: &Path| Swing::of(arc).is_some_and(|s| drawn.iter().any(|other| s.is_like(other, OWN_SWING_M)));
+        |arc: &Path| Swing::of(arc).is_some_and(|s| drawn.iter().any(|other| s.is_like(other, FRAME_M)));
     let may_hang = others.iter().filter(|o| may_be_leaf(plan.reading.role(o.0)));
     let may_hang: Vec<(usize, Vec<Path>)> = may_hang.map(|(i, _, paths)| (*i, paths.clone())).collect();
     let found = leaves::hung(of_walls.chain(beside), &may_hang);
@@ -154,7 +149,7 @@ fn join_swings(drawing: &Drawing, walls: &DrawnWalls<'_>, marks: &mut [Mark], ma
 /// The pieces of a wall; `place` turns its points into metres of a person.
 pub(super) fn faces_of(shape: &Shape, wall: u32, place: impl Fn(DVec2) -> DVec2) -> Vec<Face> {
     let paths = paths_of(shape, place);
-    let meets = |first: &Path, last: &Path| first.ends()[0].distance(last.ends()[1]) <= CLOSED_M;
+    let meets = |first: &Path, last: &Path| first.ends()[0].distance(last.ends()[1]) <= ZERO_M;
     let is_closed = matches!(shape, Shape::Circle { .. } | Shape::Polyline { closed: true, .. })
         || paths.len() > 2 && meets(&paths[0], &paths[paths.len() - 1]);
     let face = |(part, path): (usize, Path)| Face {

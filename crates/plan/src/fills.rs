@@ -9,24 +9,17 @@ use super::PlanOptions;
 use super::choice::Chosen;
 use super::hidden::Hidden;
 use super::parallels::{Piece, pieces};
+use crate::sizes::{COLUMN_MAX_M, ERROR_GAP_M};
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Drawing, Entity, Shape};
 use enfilade_cad::plane::box_of;
 use enfilade_cad::{layers, own_layers};
 use enfilade_report::{Error, Place, Report};
 
-/// Widest column, metres: larger areas are floors, or what walls are filled with.
-const COLUMN_ACROSS_M: f64 = 1.5;
-
-/// A wall's line nearer than this to an area's side, along it, is drawn round it, metres.
-const ROUND_M: f64 = 0.03;
-
 /// Least ground of a column, square metres: frames and jambs have less.
 const COLUMN_M2: f64 = 0.04;
 /// Square of a column's outline as a multiple of its ground, at most: 16 for a square, more for what is long.
 const COLUMN_COMPACT: f64 = 18.0;
-/// A column is alike from both sides: opposite every corner lies another, metres.
-const OPPOSITE_M: f64 = 0.03;
 
 /// Most comparisons of areas with lines of walls; beyond them nothing is taken.
 const COMPARED_MAX: usize = 50_000_000;
@@ -79,7 +72,7 @@ pub(super) fn take<'a>(
     if columns.len() * walls.len().max(picked.len()) > COMPARED_MAX {
         columns.clear();
     }
-    let near = ROUND_M / metres_per_unit;
+    let near = ERROR_GAP_M / metres_per_unit;
     columns.retain(|k| !is_drawn_round(&drawing.fills[*k], &drawing, picked, &walls, near));
     say_left(&drawing, columns.len(), report);
     if columns.is_empty() {
@@ -120,7 +113,7 @@ fn outline(e: &Entity) -> Vec<DVec2> {
 fn is_small(points: &[DVec2], metres_per_unit: f64) -> bool {
     let Some(origin) = points.first() else { return false };
     let ring: Vec<DVec2> = points.iter().map(|p| (*p - *origin) * metres_per_unit).collect();
-    box_of(ring.iter().copied()).is_some_and(|[lo, hi]| (hi - lo).max_element() <= COLUMN_ACROSS_M)
+    box_of(ring.iter().copied()).is_some_and(|[lo, hi]| (hi - lo).max_element() <= COLUMN_MAX_M)
         && is_column(&ring)
 }
 
@@ -159,7 +152,7 @@ fn is_column(ring: &[DVec2]) -> bool {
     let opposite = |p: &DVec2| lo + hi - *p;
     ground >= COLUMN_M2
         && length * length <= COLUMN_COMPACT * ground
-        && ring.iter().all(|p| ring.iter().any(|q| q.distance(opposite(p)) <= OPPOSITE_M))
+        && ring.iter().all(|p| ring.iter().any(|q| q.distance(opposite(p)) <= ERROR_GAP_M))
 }
 
 #[cfg(test)]
@@ -214,8 +207,8 @@ mod tests {
             ("on a layer of walls", entity("WALLS", square([3.0, 3.0], 0.4)), 1),
             ("on another layer", entity("FURNITURE", square([3.0, 3.0], 0.4)), 0),
             ("drawn round", entity("COLS", square([9.0, 9.0], 0.4)), 0),
-            ("too wide", entity("COLS", square([3.0, 3.0], COLUMN_ACROSS_M + 0.1)), 0),
-            ("as wide as a column", entity("COLS", square([3.0, 3.0], COLUMN_ACROSS_M - 0.1)), 1),
+            ("too wide", entity("COLS", square([3.0, 3.0], COLUMN_MAX_M + 0.1)), 0),
+            ("as wide as a column", entity("COLS", square([3.0, 3.0], COLUMN_MAX_M - 0.1)), 1),
             ("outside", entity("COLS", square([13.0, 3.0], 0.4)), 0),
             ("a fill between a wall's faces", entity("WALLS", square([0.0, 3.0], 0.3)), 0),
         ];

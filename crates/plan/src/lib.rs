@@ -60,6 +60,7 @@ mod repeats;
 pub mod rooms;
 mod rounds;
 pub mod sight;
+pub mod sizes;
 pub mod slots;
 mod stairs;
 mod storeys;
@@ -75,6 +76,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
+use crate::sizes::ZERO_M;
 use curve::Trace;
 use enfilade_cad::drawing::{Drawing, Editable, Entity, Format, Shape, Single, SourceRef, Unit};
 use enfilade_cad::{bearing, own_layers};
@@ -248,6 +250,10 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let Read { extent, unit, sense, reading } = read(&drawing, (options, &said), &mut chosen, report)?;
     let choice::Taken { walls: mut picked, views, unused_marks } =
         choice::choose_view(&drawing, options, &chosen, unit.unit.metres, report)?;
+    let reading = match options.senses {
+        None if !as_drawn => reading.without_beside(&views::beside_plans(&drawing, &views)),
+        _ => reading,
+    };
     let of_view = picked.clone();
     let is_our_choice = options.is_our_choice();
     let drawing = fills::take(drawing, options, &mut chosen, &mut picked, unit.unit.metres, report)?;
@@ -409,7 +415,7 @@ fn sized(
     let Some(extent) = extent_of(walls) else { return Err(no_walls(drawing, chosen, report)) };
     let size = (extent[1] - extent[0]).max_element();
     let unit = units::choose(drawing, options.unit, walls);
-    match size * unit.0.unit.metres < WALLS_MIN_M {
+    match size * unit.0.unit.metres < ZERO_M {
         true => Err(no_walls(drawing, chosen, report)),
         false => Ok((extent, unit)),
     }
@@ -444,9 +450,6 @@ fn doors(
 fn extent_of(walls: &[&Entity]) -> Option<[DVec2; 2]> {
     box_of(walls.iter().flat_map(|e| enfilade_cad::curve::control_points(&e.shape)))
 }
-
-/// What lies on the layers of walls and is smaller altogether, metres, draws none: control points of a millimetre are one.
-const WALLS_MIN_M: f64 = 0.001;
 
 /// Problems of readers by which whole blocks are left out.
 const BLOCKS_LEFT_OUT: [&str; 4] =

@@ -11,6 +11,7 @@ use super::hidden::Hidden;
 use super::parallels::Straight;
 use super::paving;
 use super::reading::Reading;
+use crate::sizes::ERROR_GAP_M;
 use enfilade_cad::drawing::{Drawing, Entity, Format, Shape};
 use enfilade_cad::names::words;
 use enfilade_cad::own_layers;
@@ -73,7 +74,6 @@ pub const BEFORE_DOOR_M: f64 = 0.6;
 
 /// Shortest arm of a cross over a lift, metres, and how exactly its arms halve each other and are equal.
 const CROSS_ARM_MIN_M: f64 = 1.0;
-const CROSS_M: f64 = 0.02;
 
 /// The arms of a cross meet at an angle of which the sine is no smaller.
 const CROSS_SIN: f64 = 0.17;
@@ -175,7 +175,7 @@ pub(super) fn find(
 /// Pairs of lines that halve each other and are equal: crosses over lifts and shafts. The lines' ends, round the
 /// shaft, and the entity of the first.
 fn crosses(lines: &[Straight]) -> Vec<(usize, [DVec2; 4])> {
-    let cell = |p: DVec2| (p / CROSS_M).floor().as_i64vec2().to_array();
+    let cell = |p: DVec2| (p / ERROR_GAP_M).floor().as_i64vec2().to_array();
     let mut by_middle: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
     for (i, l) in lines.iter().enumerate().filter(|(_, l)| l.a.distance(l.b) >= CROSS_ARM_MIN_M) {
         by_middle.entry(cell(l.a.midpoint(l.b))).or_default().push(i);
@@ -191,8 +191,8 @@ fn crosses(lines: &[Straight]) -> Vec<(usize, [DVec2; 4])> {
             let (p, q) = (&lines[i], &lines[j]);
             let (u, v) = (p.b - p.a, q.b - q.a);
             let sine = u.normalize_or_zero().perp_dot(v.normalize_or_zero()).abs();
-            let is_one = p.a.midpoint(p.b).distance(q.a.midpoint(q.b)) <= CROSS_M;
-            if is_one && (u.length() - v.length()).abs() <= CROSS_M && sine >= CROSS_SIN {
+            let is_one = p.a.midpoint(p.b).distance(q.a.midpoint(q.b)) <= ERROR_GAP_M;
+            if is_one && (u.length() - v.length()).abs() <= ERROR_GAP_M && sine >= CROSS_SIN {
                 out.push((p.entity, [p.a, q.a, p.b, q.b]));
             }
         }

@@ -154,6 +154,13 @@ impl<'d> OnSheet<'d> {
             let mut others = others.into_iter().filter(|j| *j != i && is_own(*j)).map(|j| self.lines[j]);
             others.any(|q| distance_to_segment(p, [q.a, q.b]) <= same)
         };
+        inside.filter(|i| is_own(*i)).all(|i| ends_at(i, self.lines[i].a) && ends_at(i, self.lines[i].b))
+            && self.doors(extent).next().is_none()
+    }
+
+    /// What shows doors in a box: their swings, and what is named after them.
+    pub fn doors(&self, extent: &[DVec2; 2]) -> impl Iterator<Item = &'d Entity> {
+        let is_in = is_in(extent);
         let is_door = |e: &Entity| {
             let named = e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]);
             let swings = match e.shape {
@@ -162,9 +169,7 @@ impl<'d> OnSheet<'d> {
             };
             swings || named.map(|n| role_by_name(n).0).any(|r| r == Role::Door)
         };
-        let mut drawn = self.entities.touching(extent).filter(|e| is_in(&middle(&e.shape)));
-        inside.filter(|i| is_own(*i)).all(|i| ends_at(i, self.lines[i].a) && ends_at(i, self.lines[i].b))
-            && !drawn.any(is_door)
+        self.entities.touching(extent).filter(move |e| is_in(&middle(&e.shape)) && is_door(e))
     }
 }
 

@@ -6,24 +6,16 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::parallels::Straight;
+use crate::sizes::{COLLINEAR_M, ERROR_GAP_M};
 
 /// Sides of a cell, metres: a mosaic's to a slab's; no room is so small.
 const CELL_M: [f64; 2] = [0.1, 1.6];
-
-/// Widest joint between cells, metres.
-const JOINT_M: f64 = 0.03;
-
-/// Lines of one grid are equally long within this, metres.
-const EQUAL_M: f64 = 0.004;
 
 /// Cells both ways that make a grid: more than shelves, cabins or panes have.
 const CELLS_MIN: usize = 4;
 
 /// Grid lines run at right angles within this, radians.
 const SQUARE_RAD: f64 = 0.01;
-
-/// Cut cells lie on a grid's lines within this, metres.
-const ON_LINE_M: f64 = 0.003;
 
 /// A line of a grid by its direction: along it and across.
 #[derive(Clone, Copy)]
@@ -89,7 +81,7 @@ fn sides(lines: &[Straight], u: DVec2) -> Vec<Side> {
 
 /// Those sides that are equally long and hang together, end to end and side by side, over enough cells.
 fn equal_cells(sides: &[Side]) -> Vec<usize> {
-    let step = |v: f64| (v / EQUAL_M).round() as i64;
+    let step = |v: f64| (v / COLLINEAR_M).round() as i64;
     // By place: the lower end of a side, in steps; looked up in the steps around.
     let mut at: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
     let mut columns: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
@@ -98,12 +90,12 @@ fn equal_cells(sides: &[Side]) -> Vec<usize> {
         columns.entry([step(s.from), step(s.length)]).or_default().push(i);
     }
     columns.values_mut().for_each(|c| c.sort_by(|i, j| sides[*i].offset.total_cmp(&sides[*j].offset)));
-    let is_equal = |i: usize, j: usize| (sides[i].length - sides[j].length).abs() <= EQUAL_M;
+    let is_equal = |i: usize, j: usize| (sides[i].length - sides[j].length).abs() <= COLLINEAR_M;
     let mut root: Vec<usize> = (0..sides.len()).collect();
     for (key, here) in &at {
         for &i in here {
             let end = step(sides[i].from + sides[i].length);
-            let joint = step(JOINT_M);
+            let joint = step(ERROR_GAP_M);
             for row in key[0] - 1..=key[0] + 1 {
                 let after = at.range([row, end - 1]..=[row, end + joint]).flat_map(|(_, list)| list);
                 after.filter(|j| is_equal(i, **j)).for_each(|j| join(&mut root, i, *j));
@@ -168,14 +160,16 @@ impl Lattice {
         let mut from: Vec<f64> = grid.iter().map(|i| sides[*i].from).collect();
         from.sort_by(f64::total_cmp);
         let steps = from.windows(2).map(|w| w[1] - w[0]);
-        let pitch = middle(steps.filter(|d| *d > cell - EQUAL_M && *d < cell + JOINT_M + EQUAL_M).collect())?;
+        let pitch = middle(
+            steps.filter(|d| *d > cell - COLLINEAR_M && *d < cell + ERROR_GAP_M + COLLINEAR_M).collect(),
+        )?;
         Some(Self { start: *from.first()?, cell, pitch })
     }
 
     /// Whether a cell begins or ends at a place.
     fn holds(&self, at: f64) -> bool {
         let rest = (at - self.start).rem_euclid(self.pitch);
-        [0.0, self.cell, self.pitch].iter().any(|r| (rest - r).abs() <= ON_LINE_M)
+        [0.0, self.cell, self.pitch].iter().any(|r| (rest - r).abs() <= COLLINEAR_M)
     }
 }
 

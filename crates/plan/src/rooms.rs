@@ -7,6 +7,7 @@ use glam::DVec2;
 
 use super::Plan;
 use super::axes::{AxisGraph, FaceRef, Jamb, Opening, OpeningKind, Shown};
+use crate::sizes::FINISH_MAX_M;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::Shape;
 use enfilade_cad::plane::ring_area;
@@ -20,9 +21,6 @@ const ROOMS_MIN: usize = 3;
 
 /// Outlines this near to each other, against the thinnest usual wall between two rooms, touch.
 const TOUCHING_SHARE: f64 = 0.55;
-
-/// Outlines farther apart never touch.
-const TOUCHING_MAX_M: f64 = 0.06;
 
 /// Widths of what is open where outlines touch.
 const WIDTH_M: [f64; 2] = [0.5, 3.0];
@@ -67,7 +65,7 @@ pub fn open_touching(plan: &Plan, axes: &mut AxisGraph) {
     axes.openings.retain(|o| !is_jambs(o));
     let meant: BTreeSet<FaceRef> = axes.openings.iter().flat_map(|o| o.faces.iter().copied()).collect();
     axes.see_through.retain(|f| !rings.contains(&f.0) || meant.contains(f));
-    let reach = (TOUCHING_SHARE * thickness).min(TOUCHING_MAX_M);
+    let reach = (TOUCHING_SHARE * thickness).min(FINISH_MAX_M);
     let mut found: Vec<Opening> = Vec::new();
     for (i, p) in pieces.iter().enumerate() {
         for q in pieces[i + 1..].iter().filter(|q| q.face.0 != p.face.0) {

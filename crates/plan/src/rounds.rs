@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use super::axes::Path;
 use super::axes::near::Buckets;
+use crate::sizes::COLLINEAR_M;
 
 /// Fewest chords that are an arc; fewer may be a polygon.
 const CHORDS_MIN: usize = 4;
@@ -37,9 +38,6 @@ pub(super) fn as_arc(paths: &[Path]) -> Option<Path> {
     let start = if sweep > 0.0 { first } else { last };
     Some(Path::Arc { centre, radius, start_rad: (start - centre).to_angle(), sweep_rad: sweep.abs() })
 }
-
-/// Parts of a swing whose ends are nearer than this follow each other, metres of a person.
-const PARTS_M: f64 = 0.002;
 
 /// They turn by less than this where they meet: the cosine.
 const PARTS_COS: f64 = 0.86;
@@ -111,7 +109,7 @@ struct End {
 impl End {
     /// Whether another thing goes on where this one ends.
     fn goes_on(&self, other: &Self) -> bool {
-        self.at.distance(other.at) <= PARTS_M && self.out.dot(other.out) < -PARTS_COS
+        self.at.distance(other.at) <= COLLINEAR_M && self.out.dot(other.out) < -PARTS_COS
     }
 }
 

@@ -4,6 +4,7 @@
 use glam::DVec2;
 
 use super::parallels::Straight;
+use crate::sizes::{ERROR_GAP_M, LAYERED_MAX_M, THICKNESS_MIN_M};
 
 /// Distance of two treads (the going), metres: ladders to terraces.
 const GOING_M: [f64; 2] = [0.2, 0.42];
@@ -40,12 +41,6 @@ const CROSSED_MIN: usize = 3;
 
 /// Treads whose directions differ by less are parallel.
 const PARALLEL_RAD: f64 = 0.015;
-
-/// A tread ends on the string within this distance, metres.
-const TOUCH_M: f64 = 0.03;
-
-/// Distances of the two faces of a wall beside a stair, metres.
-const WALL_M: [f64; 2] = [0.03, 0.65];
 
 /// Most treads looked ahead for the next one; keeps hatches near-linear.
 const LOOK_MAX: usize = 64;
@@ -206,8 +201,8 @@ fn within(lines: &[Straight], flight: &Flight, all: &[Flight], is_stair: &[bool]
     let is_more = |i: &usize| {
         let line = &lines[*i];
         // What is short may be a jamb, unless it lies well among the treads: the head of an arrow.
-        let is_part =
-            is_inside(line, -TOUCH_M) || line.length() >= PART_MIN_M && is_inside(line, flight.going / 2.0);
+        let is_part = is_inside(line, -ERROR_GAP_M)
+            || line.length() >= PART_MIN_M && is_inside(line, flight.going / 2.0);
         let is_long = line.length() >= PART_MIN_M;
         !is_stair[*i]
             && (is_part && face_beside(lines, *i, is_stair, 0.0).is_none()
@@ -230,7 +225,7 @@ fn face_beside(lines: &[Straight], i: usize, is_stair: &[bool], least: f64) -> O
             && !is_stair[j]
             && other.length() > least
             && u.perp_dot(v).abs() < 4.0 * PARALLEL_RAD
-            && (WALL_M[0]..=WALL_M[1]).contains(&apart)
+            && (THICKNESS_MIN_M..=LAYERED_MAX_M).contains(&apart)
             && shared > 0.5 * length.min(other.length());
         is_face.then_some((j, apart))
     };
@@ -242,7 +237,7 @@ fn crossed(lines: &[Straight], line: &Straight, flights: &[&Flight]) -> usize {
     let through = |p: DVec2, q: DVec2, a: DVec2, b: DVec2| {
         let u = (q - p).normalize_or_zero();
         let (s, t) = (u.perp_dot(a - p), u.perp_dot(b - p));
-        s.min(t) < -TOUCH_M && s.max(t) > TOUCH_M
+        s.min(t) < -ERROR_GAP_M && s.max(t) > ERROR_GAP_M
     };
     let treads = flights.iter().flat_map(|f| &f.treads).map(|t| &lines[*t]);
     treads.filter(|t| through(t.a, t.b, line.a, line.b) && through(line.a, line.b, t.a, t.b)).count()
@@ -255,8 +250,8 @@ fn is_string(lines: &[Straight], line: &Straight, flights: &[&Flight]) -> bool {
     for tread in flights.iter().flat_map(|f| &f.treads).map(|t| &lines[*t]) {
         for (end, other) in [(tread.a, tread.b), (tread.b, tread.a)] {
             let s = (end - line.a).dot(u);
-            let is_on =
-                u.perp_dot(end - line.a).abs() <= TOUCH_M && (-TOUCH_M..=length + TOUCH_M).contains(&s);
+            let is_on = u.perp_dot(end - line.a).abs() <= ERROR_GAP_M
+                && (-ERROR_GAP_M..=length + ERROR_GAP_M).contains(&s);
             if is_on && (tread.b - tread.a).normalize_or_zero().dot(u).abs() < 0.5 {
                 sides[usize::from(u.perp_dot(other - line.a) > 0.0)] += 1;
             }

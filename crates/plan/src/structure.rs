@@ -6,11 +6,11 @@ use glam::DVec2;
 
 use super::Plan;
 use super::axes::near::Buckets;
-use super::axes::tolerances::ERROR_GAP_M;
 use super::axes::{AxisGraph, Drawn, Edge, FaceRef, NodeKind, Opening, OpeningKind, Path};
-use super::drawn::{CLOSED_M, drawn};
+use super::drawn::drawn;
 use super::graph::Handle;
 use super::rooms;
+use crate::sizes::{ERROR_GAP_M, FINISH_MAX_M, THICKNESS_USUAL_M, ZERO_M};
 use enfilade_cad::curve::control_point;
 use enfilade_cad::drawing::{Drawing, Format, Shape};
 use enfilade_engine::geometry::{PointUm, UM_PER_M};
@@ -207,9 +207,6 @@ fn body(plan: &Plan, axes: &AxisGraph, edges: &[&Edge]) -> Option<Body> {
     Some(Body { corners: vec![l0, l1, r1, r0], thickness_um: Some(thickness_um) })
 }
 
-/// Walls thicker than this are bodies only if they are [`SLENDER`]: two faces so far apart may be a small room.
-const STOUT_M: f64 = 0.45;
-
 /// A slender wall is at least this many times as long as thick.
 const SLENDER: f64 = 2.5;
 
@@ -228,7 +225,7 @@ pub fn footprints(plan: &Plan, axes: &AxisGraph, stays: impl Fn(FaceRef) -> bool
             continue;
         }
         let [a, b] = axes.ends(edge);
-        if edge.thickness_m > STOUT_M && a.distance(b) < SLENDER * edge.thickness_m {
+        if edge.thickness_m > THICKNESS_USUAL_M && a.distance(b) < SLENDER * edge.thickness_m {
             continue;
         }
         let half = (b - a).normalize_or_zero().perp() * (edge.thickness_m / 2.0);
@@ -302,22 +299,19 @@ pub fn handle_at(plan: &Plan, (wall, control): Handle) -> DVec2 {
     plan.frame.plan_from_file(p) / plan.human_scale
 }
 
-/// How far from a node the corners of a wall's end may lie along the wall.
-const END_REACH_M: f64 = 0.06;
-
 /// The control points of an edge's faces that stand at one of its nodes; none where the faces run on. Of a short face
 /// both ends lie near the node: the nearer one stands at it.
 pub fn end_handles(plan: &Plan, axes: &AxisGraph, edge: &Edge, node: u32) -> Vec<Handle> {
     let [a, b] = axes.ends(edge);
     let at = axes.nodes[node as usize].at;
     let along = (b - a).normalize_or_zero();
-    let reach = END_REACH_M + edge.thickness_m / 2.0;
+    let reach = FINISH_MAX_M + edge.thickness_m / 2.0;
     let far = |h: &Handle| (handle_at(plan, *h) - at).dot(along).abs();
     let faces = edge.left.iter().chain(&edge.right).chain(&edge.inner);
     let standing = faces.flat_map(|f| {
         let mut ends = face_handles(plan, *f);
         if let [Some(a), Some(b)] = [0, 1].map(|k| ends.get(k).map(far))
-            && (a - b).abs() > CLOSED_M
+            && (a - b).abs() > ZERO_M
         {
             ends.swap_remove(usize::from(a < b));
         }

@@ -5,17 +5,15 @@ use super::frame::{BUILT_SIZE_M, SMALL_PLAN_M, UnitChoice, human_scale, scales, 
 use super::reading::UnitSense;
 use super::reading::clues::Clues;
 use super::reading::unit::{self, Said, sense, sense_of, weigh};
+use crate::sizes::{LAYERED_MAX_M, THICKNESS_MIN_M};
 use enfilade_cad::drawing::{Drawing, Entity, Format, Unit};
 use enfilade_cad::units::UNITS;
 
 /// Thicknesses of walls, metres: a board to old masonry.
-const THICK_M: [f64; 2] = [0.06, 0.65];
+const THICK_M: [f64; 2] = [0.06, LAYERED_MAX_M];
 
 /// Plans longer than this are never taken at an unknown scale.
 const SCALELESS_MAX_M: f64 = 30.0;
-
-/// Walls thinner than this are drawn at another scale.
-const THIN_M: f64 = 0.03;
 
 /// The thickness that walls drawn at another scale are taken to have.
 const USUAL_WALL_M: f64 = 0.15;
@@ -50,7 +48,7 @@ pub fn person_scale(drawing: &Drawing, walls: &[&Entity], extent_units: f64, uni
         Some(t) if is_in(t, THICK_M) => 1.0,
         // Walls in layers are drawn with lines nearer to one another than faces are.
         Some(_) if size_m >= SMALL_PLAN_M && unit::doors(&seen, unit.metres) > 0.0 => 1.0,
-        Some(t) if t > 0.0 && t < THIN_M && size_m >= SMALL_PLAN_M => two_digits(t / USUAL_WALL_M),
+        Some(t) if t > 0.0 && t < THICKNESS_MIN_M && size_m >= SMALL_PLAN_M => two_digits(t / USUAL_WALL_M),
         _ => human_scale(size_m),
     }
 }

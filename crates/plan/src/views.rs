@@ -48,10 +48,11 @@ const SPANNED_SHARE: f64 = 0.25;
 /// A line this long against the sheet that is no wall is a frame or a construction line.
 const FRAME_SHARE: f64 = 0.3;
 
-/// Columns are cut in plans alone: where so many pieces of them are drawn in one view, an untitled view without any is
-/// worth less by [`NO_COLUMNS`].
+/// Columns and doors are cut in plans alone: where so many pieces of them are drawn in one view, an untitled view without any
+/// is worth less by [`NOTHING_CUT`]. Framing, floors and roofs are drawn over the same outline.
 const COLUMN_PIECES_MIN: usize = 16;
-const NO_COLUMNS: f64 = 1.0;
+const DOOR_PIECES_MIN: usize = 4;
+const NOTHING_CUT: f64 = 1.0;
 
 /// How often the drawing that is taken is a plan and its box that of one, where its title or that it is alone says so: in
 /// 41 of 45 drawings by 24 authors.
@@ -77,6 +78,8 @@ pub struct View {
     pub wall_pieces: usize,
     /// Those of them that lie on layers named after columns.
     pub column_pieces: usize,
+    /// What shows doors in it: swings, and what is named after doors.
+    pub door_pieces: usize,
     /// What it was judged to be.
     pub kind: Title,
     /// Whether the plan was read from it.
@@ -125,6 +128,24 @@ impl SheetMark {
         let common = self.common(other);
         common > 0.0 && common >= SPANNED_SHARE * area(&self.extent).min(area(other))
     }
+}
+
+impl View {
+    /// Whether it shows no rooms from above: what is drawn in it is no wall, door or window of a plan.
+    fn is_no_plan(&self) -> bool {
+        matches!(self.kind, Title::Outside | Title::NoPlan | Title::Beside) && !self.is_chosen
+    }
+}
+
+/// Which entities are drawn in views that are no plans, and in no other.
+pub fn beside_plans(drawing: &Drawing, views: &[View]) -> Vec<bool> {
+    let holds = |v: &View, e: &Entity| is_in(&v.extent)(&middle(&e.shape));
+    let is_beside = |e: &Entity| {
+        let mut around = views.iter().filter(|v| holds(v, e)).peekable();
+        around.peek().is_some() && around.all(View::is_no_plan)
+    };
+    let has_any = views.iter().any(View::is_no_plan);
+    drawing.entities.iter().map(|e| has_any && is_beside(e)).collect()
 }
 
 /// The drawings of a sheet and which wall lies in which.
@@ -536,12 +557,14 @@ fn views(on_sheet: &OnSheet<'_>, boxes: &[[DVec2; 2]]) -> Vec<View> {
             (kind, why) = (Title::NoPlan, format!("drawn on layer {layer:?}"));
         }
         let (number, wall_pieces, column_pieces, is_chosen) = (0, 0, 0, false);
+        let door_pieces = if boxes.len() > 1 { on_sheet.doors(extent).count() } else { 0 };
         out.push(View {
             number,
             name,
             extent: *extent,
             wall_pieces,
             column_pieces,
+            door_pieces,
             kind,
             is_chosen,
             why,
@@ -620,10 +643,13 @@ fn hug(sheet: &mut Sheet, walls: &[&Entity]) {
 /// Marks the view to take: the one with the user's regions, else with most that moves or stays, else the best plan.
 fn choose(sheet: &mut Sheet, marks: &[SheetMark]) {
     let most = sheet.views.iter().map(|v| v.wall_pieces).max().unwrap_or(0) as f64;
-    let has_columns = sheet.views.iter().any(|v| v.column_pieces >= COLUMN_PIECES_MIN);
+    let has = |enough: fn(&View) -> bool| sheet.views.iter().any(enough);
+    let has_columns = has(|v| v.column_pieces >= COLUMN_PIECES_MIN);
+    let has_doors = has(|v| v.door_pieces >= DOOR_PIECES_MIN);
     let score = |v: &View| {
-        let lacks_columns = has_columns && v.column_pieces == 0 && v.kind == Title::Unknown;
-        v.wall_pieces as f64 / most.max(1.0) + v.kind.worth() - if lacks_columns { NO_COLUMNS } else { 0.0 }
+        let lacks = has_columns && v.column_pieces == 0 || has_doors && v.door_pieces == 0;
+        let less = if lacks && v.kind == Title::Unknown { NOTHING_CUT } else { 0.0 };
+        v.wall_pieces as f64 / most.max(1.0) + v.kind.worth() - less
     };
     let marked = |view: usize| {
         let own = || marks.iter().zip(&sheet.of_mark).filter(|(_, v)| **v == view).map(|(m, _)| m.kind);
@@ -660,6 +686,7 @@ mod tests {
             extent: [DVec2::ZERO, DVec2::ONE],
             wall_pieces,
             column_pieces,
+            door_pieces: 0,
             kind,
             is_chosen: false,
             why: String::new(),
@@ -696,6 +723,20 @@ mod tests {
         assert_eq!(chosen(COLUMN_PIECES_MIN, Title::Unknown), Some(0));
         assert_eq!(chosen(COLUMN_PIECES_MIN - 1, Title::Unknown), Some(1));
         assert_eq!(chosen(COLUMN_PIECES_MIN, Title::Plan), Some(1), "what its title says goes first");
+    }
+
+    #[test]
+    fn a_view_without_doors_is_worth_less_where_enough_are_drawn() {
+        let chosen = |doors: usize, kind: Title| {
+            let with_doors = View { door_pieces: doors, ..view(1, 60, 0, Title::Unknown) };
+            let views = vec![with_doors, view(2, 100, 0, kind)];
+            let mut sheet = Sheet { views, of_wall: Vec::new(), of_mark: Vec::new() };
+            choose(&mut sheet, &[]);
+            sheet.views.iter().position(|v| v.is_chosen)
+        };
+        assert_eq!(chosen(DOOR_PIECES_MIN, Title::Unknown), Some(0));
+        assert_eq!(chosen(DOOR_PIECES_MIN - 1, Title::Unknown), Some(1));
+        assert_eq!(chosen(DOOR_PIECES_MIN, Title::Plan), Some(1), "what its title says goes first");
     }
 
     /// As looking at all pairs again after every joining.

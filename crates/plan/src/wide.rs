@@ -7,13 +7,14 @@ use glam::DVec2;
 
 use super::Wall;
 use super::frame::Frame;
+use crate::sizes::THICKNESS_MAX_M;
 use enfilade_cad::drawing::{Drawing, Entity};
 use enfilade_engine::geometry::{PointUm, Segment, UM_PER_M};
 use enfilade_report::{Place, Report};
 
 /// Widths that are a wall's thickness, metres of a person: below them a line is wide so that it is seen in print, beyond
 /// them it is a road or a border.
-pub const WIDTH_M: [f64; 2] = [0.08, 0.8];
+pub const WIDTH_M: [f64; 2] = [0.08, THICKNESS_MAX_M];
 
 /// Gives the walls that are drawn as wide polylines their width. `entities` are those of the walls, in their order.
 pub(super) fn mark(

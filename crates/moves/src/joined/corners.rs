@@ -9,9 +9,9 @@ use super::bars::{Bar, Bars, Motion, Moving};
 use super::{CROSSING_MIN_RAD, Refusal};
 use enfilade_cad::drawing::{Editable, Format, Shape};
 use enfilade_plan::Plan;
-use enfilade_plan::axes::tolerances::ERROR_GAP_M;
 use enfilade_plan::axes::{AxisGraph, FaceRef};
 use enfilade_plan::graph::{Graph, Handle};
+use enfilade_plan::sizes::ERROR_GAP_M;
 use enfilade_plan::structure::{face_handles, handle_at};
 
 /// Faces whose directions differ by less than this are one face that bends at the joint.

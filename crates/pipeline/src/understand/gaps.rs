@@ -2,7 +2,7 @@
 
 use crate::understand::understood::{Understood, closed_that_stay};
 use enfilade_engine::geometry::Segment;
-use enfilade_plan::axes::tolerances::ERROR_GAP_M;
+use enfilade_plan::sizes::ERROR_GAP_M;
 use enfilade_report::{Place, Report, counted};
 
 /// How many gaps are named by their place.

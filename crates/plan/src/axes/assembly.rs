@@ -10,10 +10,10 @@ use super::runs::{Groups, Run};
 use super::spans::{self, Span};
 use super::strips::Paired;
 use super::swing::Swing;
-use super::tolerances::{
+use super::{AxisGraph, Drawn, Leftover, Path, cuts};
+use crate::sizes::{
     CROSSING_MIN_RAD, ERROR_GAP_M, ONE_SIDED_GAP_M, OPENING_MAX_M, PASSAGE_MAX_M, THICKNESS_MAX_M,
 };
-use super::{AxisGraph, Drawn, Leftover, Path, cuts};
 
 /// Axes whose lines lie this near, with like thickness, are in one row.
 const ROW_M: f64 = 0.015;

@@ -5,11 +5,9 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::near::Buckets;
-use super::tolerances::{COLUMN_ASPECT_MAX, COLUMN_MAX_M, ERROR_GAP_M, ZERO_M};
 use super::{AxisGraph, Drawn, FaceRef, Path, Role};
+use crate::sizes::{COLLINEAR_M, COLUMN_ASPECT_MAX, COLUMN_MAX_M, ERROR_GAP_M, ZERO_M};
 
-/// Two lines whose ends are this near are drawn twice.
-const TWIN_M: f64 = 0.003;
 /// How much of its box a column fills that nobody calls one; crosses and steel profiles fill less.
 const FILL_MIN: f64 = 0.5;
 /// Points by which a round column is given.
@@ -174,8 +172,8 @@ fn box_from(drawn: &Drawn, buckets: &Buckets, first: u32) -> Option<Ring> {
     let is_twin = |f: u32, g: u32| {
         let (p, q) = (ends(f), ends(g));
         p == q
-            || (p[0].distance(q[0]) < TWIN_M && p[1].distance(q[1]) < TWIN_M)
-            || (p[0].distance(q[1]) < TWIN_M && p[1].distance(q[0]) < TWIN_M)
+            || (p[0].distance(q[0]) < COLLINEAR_M && p[1].distance(q[1]) < COLLINEAR_M)
+            || (p[0].distance(q[1]) < COLLINEAR_M && p[1].distance(q[0]) < COLLINEAR_M)
     };
     let role = |f: u32| drawn.faces[f as usize].role;
     let is_other = |g: u32| role(first) == Role::Column && role(g) != Role::Column;

@@ -9,10 +9,10 @@ use super::near::{Buckets, Squares};
 use super::offset::{Chord, Guides};
 use super::runs::Loose;
 use super::spans::{self, Span};
-use super::tolerances::{
+use super::{Drawn, Path};
+use crate::sizes::{
     CHORD_MAX_M, CHORD_TURN_MAX_RAD, CIRCLE_FIT_M, COLLINEAR_M, OPENING_MAX_M, SAGITTA_MAX_M, ZERO_M,
 };
-use super::{Drawn, Path};
 
 /// Fewest chords of a curve; three of equal turn may be a bay window.
 const CHORDS_MIN: usize = 4;

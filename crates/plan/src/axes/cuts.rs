@@ -9,17 +9,13 @@ use super::evidence::{Band, Evidence, ordered, trace};
 use super::near::Buckets;
 use super::spans::{self, Span};
 use super::swing::{LEAF_M, Swing};
-use super::tolerances::{COLLINEAR_M, ERROR_GAP_M, OPENING_MIN_M};
 use super::{Drawn, Mark, OpeningKind, Path, Role, swings};
+use crate::sizes::{COLLINEAR_M, ERROR_GAP_M, JAMB_M, OPENING_MIN_M};
 
 /// Widest opening between two lines across a wall.
 const CUT_MAX_M: f64 = 5.0;
 /// Narrowest opening that a mark alone makes.
 const MARK_MIN_M: f64 = 0.4;
-/// How far beside a wall's faces the hinge of a door in it may lie.
-const HINGE_BESIDE_M: f64 = 0.12;
-/// What must be left of a wall beside a cut; less goes to the cut.
-const REST_M: f64 = 0.02;
 
 /// Cuts axes where openings show; pieces of one axis keep its row.
 pub fn cut(axes: Vec<Axis>, spares: &[Spare], evidence: &Evidence<'_>) -> Vec<Axis> {
@@ -34,7 +30,7 @@ pub fn cut(axes: Vec<Axis>, spares: &[Spare], evidence: &Evidence<'_>) -> Vec<Ax
             out.push(a);
             continue;
         }
-        for span in spans::without(a.span, &gaps).into_iter().filter(|s| spans::length(*s) > REST_M) {
+        for span in spans::without(a.span, &gaps).into_iter().filter(|s| spans::length(*s) > ERROR_GAP_M) {
             out.push(Axis { span, ..a.clone() });
         }
     }
@@ -51,7 +47,7 @@ fn jambs(axes: &[Axis], spares: &[Spare], near: &Buckets) -> Vec<Vec<f64>> {
             let s = axis.carrier.s_of(middle);
             let is_on = axis.carrier.offset_of(middle).abs() < axis.thickness / 4.0 + COLLINEAR_M;
             let is_across = (spans::length(spare.span) - axis.thickness).abs() < 2.0 * ERROR_GAP_M;
-            if is_on && is_across && s > axis.span[0] - REST_M && s < axis.span[1] + REST_M {
+            if is_on && is_across && s > axis.span[0] - ERROR_GAP_M && s < axis.span[1] + ERROR_GAP_M {
                 jambs[a as usize].push(s);
             }
         }
@@ -174,13 +170,13 @@ fn ends_at_hinge(axis: &Axis, swing: &Swing) -> bool {
     (0..2).any(|e| {
         let out = axis.carrier.tangent(axis.span[e]) * if e == 1 { 1.0 } else { -1.0 };
         let looks = |p: DVec2| (p - hinge).dot(out) > 0.9 * radius;
-        axis.carrier.at(axis.span[e]).distance(hinge) < axis.thickness / 2.0 + 2.0 * HINGE_BESIDE_M
+        axis.carrier.at(axis.span[e]).distance(hinge) < axis.thickness / 2.0 + 2.0 * JAMB_M
             && swing.ends().into_iter().any(looks)
     })
 }
 
 fn is_within(gap: Span, span: Span) -> bool {
-    gap[0] > span[0] - REST_M && gap[1] < span[1] + REST_M && spans::length(gap) >= MARK_MIN_M
+    gap[0] > span[0] - ERROR_GAP_M && gap[1] < span[1] + ERROR_GAP_M && spans::length(gap) >= MARK_MIN_M
 }
 
 /// Where the leaf of a swing may close; `meeting`: where it meets its twin, if it has one.
@@ -193,11 +189,11 @@ fn closed_tips(swing: &Swing, meeting: Option<&Vec<[DVec2; 2]>>) -> Vec<DVec2> {
 /// From a swing's hinge to where its leaf closes.
 fn swing_gap(axis: &Axis, swing: &Swing, tips: &[DVec2]) -> Option<Span> {
     let band = Band { carrier: axis.carrier, gap: axis.span, half: axis.thickness / 2.0 };
-    if !band.has(swing.hinge, HINGE_BESIDE_M) {
+    if !band.has(swing.hinge, JAMB_M) {
         return None;
     }
     let from = axis.carrier.s_of(swing.hinge);
-    let closed = tips.iter().copied().filter(|e| band.has(*e, HINGE_BESIDE_M));
+    let closed = tips.iter().copied().filter(|e| band.has(*e, JAMB_M));
     let far = closed.map(|e| axis.carrier.s_of(e)).find(|s| (s - from).abs() > 0.9 * swing.radius)?;
     Some(ordered(from, far))
 }
@@ -211,7 +207,7 @@ fn as_wide_as_leaf(axis: &Axis, evidence: &Evidence<'_>, swing: &Swing, gap: Spa
         matches!(p, Path::Line { .. })
             && p.length_m() <= 2.0 * radius + ERROR_GAP_M
             && ends.iter().any(|e| e.distance(hinge) <= ERROR_GAP_M)
-            && ends.iter().all(|e| band.has(*e, HINGE_BESIDE_M))
+            && ends.iter().all(|e| band.has(*e, JAMB_M))
     };
     let of_doors = evidence.drawn.marks.iter().filter(|m| m.role == Role::Door);
     let leaves = of_doors.flat_map(|m| &m.paths).filter(is_leaf);

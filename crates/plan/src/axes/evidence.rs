@@ -7,30 +7,20 @@ use super::carrier::Carrier;
 use super::near::Buckets;
 use super::spans::{self, Span};
 use super::swing::{LEAF_M, Swing};
-use super::tolerances::{COLLINEAR_M, ERROR_GAP_M, PASSAGE_MAX_M};
 use super::{Drawn, Mark, OpeningKind, Path, Role, Shown};
+use crate::sizes::{COLLINEAR_M, ERROR_GAP_M, FINISH_MAX_M, FRAME_M, PASSAGE_MAX_M};
 use enfilade_cad::plane::is_inside_ring;
 
-/// How far beside the wall's faces something still lies in an opening.
-pub const BESIDE_M: f64 = 0.06;
-/// How far from a jamb a door leaf may turn.
-const HINGE_M: f64 = 0.15;
 /// Share of the gap that a window line runs along.
 const PANE_COVER: f64 = 0.6;
 /// Shares of the gap that one of two or three sashes takes, and that they take together.
 const SASH_SHARE: [f64; 2] = [0.3, 0.7];
 /// See [`SASH_SHARE`].
 const SASHES_COVER: f64 = 0.8;
-/// How far beside a wall's axis, beyond half its thickness, the ends of folded leaves stand.
-const FOLDED_M: f64 = 0.1;
 /// Share of the gap that the leaves of a folding door reach along, on one side of it.
 const FOLDED_COVER: f64 = 0.25;
 /// Share of the gap that a door known by its layer or block alone reaches along.
 const DOOR_COVER: f64 = 0.4;
-/// How far from the jambs the ends of a bay window lie, along the wall and beside its faces; how far from one another the
-/// pieces of one end; and how far it reaches from the middle of its gap, as a share of the gap.
-const BAY_AT_M: f64 = 0.06;
-const BAY_JOINT_M: f64 = 0.01;
 const BAY_REACH_SHARE: f64 = 1.2;
 /// Half the width in which things lie in the gap of a wall drawn as one line.
 const SINGLE_HALF_M: f64 = 0.21;
@@ -124,7 +114,7 @@ impl<'a> Evidence<'a> {
             let mut from = 0;
             while let Some((_, ends)) = chain.get(from).cloned() {
                 let hangs =
-                    |o: &[DVec2]| o.iter().any(|p| ends.iter().any(|q| p.distance(*q) <= BAY_JOINT_M));
+                    |o: &[DVec2]| o.iter().any(|p| ends.iter().any(|q| p.distance(*q) <= ERROR_GAP_M));
                 chain.extend(rest.extract_if(.., |(_, other)| hangs(other.as_slice())));
                 from += 1;
             }
@@ -182,8 +172,8 @@ impl Band {
 
     /// Whether a point lies at the first or the second jamb.
     fn is_at_jamb(&self, p: DVec2, jamb: usize) -> bool {
-        (self.carrier.s_of(p) - self.gap[jamb]).abs() <= BAY_AT_M
-            && self.carrier.offset_of(p).abs() <= self.half + BAY_AT_M
+        (self.carrier.s_of(p) - self.gap[jamb]).abs() <= FINISH_MAX_M
+            && self.carrier.offset_of(p).abs() <= self.half + FINISH_MAX_M
     }
 
     /// Whether the middle of a piece lies in the gap, or just beside the wall's faces. Just beyond a jamb lies what fills the
@@ -239,14 +229,14 @@ impl Band {
         let Swing { hinge, radius, .. } = swing;
         let width = spans::length(self.gap);
         let s = self.carrier.s_of(hinge);
-        let at_jamb = self.gap.iter().any(|g| (g - s).abs() <= HINGE_M);
+        let at_jamb = self.gap.iter().any(|g| (g - s).abs() <= FRAME_M);
         let closes = |e: &DVec2| {
             let to = self.carrier.s_of(*e);
-            self.has(*e, HINGE_M) && (to - s).abs() > 0.9 * radius
+            self.has(*e, FRAME_M) && (to - s).abs() > 0.9 * radius
         };
         at_jamb
             && swing.tips().iter().any(closes)
-            && self.carrier.offset_of(hinge).abs() <= self.half + HINGE_M
+            && self.carrier.offset_of(hinge).abs() <= self.half + FRAME_M
             && radius > 0.35 * width
             && radius < 1.15 * width + 0.05
     }
@@ -281,7 +271,7 @@ fn folds(mark: &Mark, band: &Band) -> bool {
     let [from, to] = [first.ends()[0], last.ends()[1]];
     let along = ordered(band.carrier.s_of(from), band.carrier.s_of(to));
     let shared = spans::overlap(along, band.gap).map_or(0.0, spans::length);
-    let reach = band.half + FOLDED_M;
+    let reach = band.half + FRAME_M;
     is_bent
         && [from, to].iter().all(|p| band.carrier.offset_of(*p).abs() <= reach)
         && shared >= FOLDED_COVER * spans::length(band.gap)

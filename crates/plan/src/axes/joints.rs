@@ -9,8 +9,8 @@ use super::columns::Column;
 use super::near::Buckets;
 use super::runs::Groups;
 use super::spans;
-use super::tolerances::{CROSSING_MIN_RAD, ERROR_GAP_M, NODE_MERGE_M, REACH_M, ZERO_M};
 use super::{AxisGraph, Drawn, Edge, Node, NodeKind};
+use crate::sizes::{CROSSING_MIN_RAD, ERROR_GAP_M, ZERO_M};
 
 /// Furthest an axis is extended, however acute the corner.
 const REACH_MAX_M: f64 = 2.5;
@@ -180,7 +180,7 @@ fn contact_at(a: &Axis, b: &Axis, at: DVec2, ids: [u32; 2]) -> Option<Contact> {
     }
     let beyond = |k: usize| if end(k) == 1 { s[k] - pair[k].span[1] } else { pair[k].span[0] - s[k] };
     let half = |k: usize| pair[k].thickness / 2.0;
-    let slack = REACH_M / sin;
+    let slack = ERROR_GAP_M / sin;
     let corner = |k: usize| ((half(1 - k) + half(k) * cos) / sin).abs() + slack;
     let tee = |k: usize| ((half(1 - k) + half(k) * cos.abs()) / sin) + slack;
     let reach = |k: usize| {
@@ -238,14 +238,14 @@ fn end_contact(a: &Axis, e: usize, b: &Axis, f: usize, ids: [u32; 2]) -> Option<
     let along = (q - p).dot(u).abs();
     let across = (q - p).perp_dot(u).abs();
     let step = STEP_SHARE * (a.thickness + b.thickness) / 2.0;
-    if along > REACH_M || across > step.max(REACH_M / 2.0) {
+    if along > ERROR_GAP_M || across > step.max(ERROR_GAP_M / 2.0) {
         return None;
     }
     let near = a
         .carrier
         .crossings(&b.carrier)
         .into_iter()
-        .find(|x| x.distance(p) < REACH_M && x.distance(q) < REACH_M);
+        .find(|x| x.distance(p) < ERROR_GAP_M && x.distance(q) < ERROR_GAP_M);
     let is_bend = a.carrier.is_line() && b.carrier.is_line();
     let at = near.filter(|_| is_bend).unwrap_or_else(|| p.midpoint(q));
     Some(Contact { at, axes: ids, s: [a.span[e], b.span[f]], ends: [Some(e), Some(f)] })
@@ -261,7 +261,7 @@ fn group(axes: &[Axis], contacts: &[Contact]) -> Groups {
         }
     }
     for (a, mut met) in by_axis.into_iter().enumerate() {
-        let near = NODE_MERGE_M.max(MERGE_SHARE * axes[a].thickness);
+        let near = ERROR_GAP_M.max(MERGE_SHARE * axes[a].thickness);
         met.sort_by(|p, q| spans::tidy(p.0).total_cmp(&spans::tidy(q.0)).then(p.1.cmp(&q.1)));
         for w in met.windows(2) {
             if spans::length([w[0].0, w[1].0]) < near {

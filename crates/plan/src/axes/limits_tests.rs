@@ -1,8 +1,11 @@
-//! Every limit of [`super::tolerances`] from both sides.
+//! Every limit of [`crate::sizes`] from both sides.
 
 use super::tests::{lines, mark};
-use super::tolerances::*;
 use super::*;
+use crate::sizes::{
+    CHORD_MAX_M, CHORD_TURN_MAX_RAD, COLUMN_ASPECT_MAX, COLUMN_MAX_M, FINISH_MAX_M, LAYER_MAX_M,
+    LAYERED_MAX_M, OPENING_MAX_M, PASSAGE_MAX_M, SAGITTA_MAX_M, SIDE_OPENING_MAX_M, THICKNESS_MAX_M,
+};
 
 fn thickest(all: &[[f64; 4]]) -> f64 {
     thickest_of(&lines(all))

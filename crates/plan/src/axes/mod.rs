@@ -37,10 +37,10 @@ pub mod swing;
 mod swings;
 #[cfg(test)]
 mod tests;
-pub mod tolerances;
 
 use glam::DVec2;
 
+use crate::sizes::{ERROR_GAP_M, ZERO_M};
 use enfilade_cad::curve::{bulge_arc, sweep_rad};
 use enfilade_cad::drawing::Shape;
 use enfilade_report::counted;
@@ -200,12 +200,11 @@ impl Drawn {
     fn along(&self, faces: &[u32], carrier: &carrier::Carrier, span: spans::Span) -> Vec<u32> {
         let is_along = |f: &&u32| {
             let path = &self.faces[**f as usize].path;
-            if path.length_m() <= tolerances::ZERO_M {
+            if path.length_m() <= ZERO_M {
                 return false;
             }
             let (own, s) = carrier::Carrier::of(path);
-            spans::overlap(carrier.span_of(&own, s), span)
-                .is_some_and(|o| spans::length(o) > tolerances::ZERO_M)
+            spans::overlap(carrier.span_of(&own, s), span).is_some_and(|o| spans::length(o) > ZERO_M)
         };
         faces.iter().filter(is_along).copied().collect()
     }
@@ -495,7 +494,7 @@ impl AxisGraph {
             said.push(self.thickness_words(1.0));
         }
         if !self.closures.is_empty() {
-            let limit = tolerances::ERROR_GAP_M;
+            let limit = ERROR_GAP_M;
             let gaps = counted(self.closures.len() as u64, "gap");
             said.push(format!("{gaps} of drawing error (up to {limit} m) closed"));
         }

@@ -10,8 +10,8 @@ use super::carrier::Carrier;
 use super::near::Buckets;
 use super::runs::Loose;
 use super::spans::{self, Span};
-use super::tolerances::{
-    CIRCLE_FIT_M, ERROR_GAP_M, SAGITTA_MAX_M, SKEW_RAD, THICKNESS_MAX_M, THICKNESS_MIN_M,
+use crate::sizes::{
+    CIRCLE_FIT_M, CONCENTRIC_M, ERROR_GAP_M, SAGITTA_MAX_M, SKEW_RAD, THICKNESS_MAX_M, THICKNESS_MIN_M,
 };
 
 /// How far corners of the second face may lie from what is parallel to the first: the first one's own error twice.
@@ -20,8 +20,6 @@ const OFFSET_FIT_M: f64 = 2.0 * CIRCLE_FIT_M;
 const BESIDE_RAD: f64 = 0.28;
 /// The second face is cut anew if that pairs more of it by this factor.
 const WORTH: f64 = 1.1;
-/// Centres nearer than this are one, for what already runs beside.
-const CENTRE_M: f64 = 0.06;
 
 /// A chord of a face: its entity and its ends in the order of the chain.
 pub type Chord = (u32, [DVec2; 2]);
@@ -72,7 +70,7 @@ impl Guides {
                         u.perp_dot(*v).abs() <= SKEW_RAD
                     }
                     (Carrier::Circle { centre: c, .. }, Carrier::Circle { centre: d, .. }) => {
-                        c.distance(*d) <= CENTRE_M
+                        c.distance(*d) <= CONCENTRIC_M
                     }
                     _ => false,
                 };

@@ -6,30 +6,22 @@ use glam::DVec2;
 
 use super::assembly::Axes;
 use super::axis::Axis;
-use super::evidence::{BESIDE_M, Evidence, ordered, trace};
+use super::evidence::{Evidence, ordered, trace};
 use super::joints::{FreeEnd, Joined};
 use super::near::Buckets;
 use super::spans::{self, Span};
-use super::tolerances::{
-    CAVITY_MAX_M, COLLINEAR_M, CROSSING_MIN_RAD, ERROR_GAP_M, OPENING_MAX_M, OPENING_MIN_M, PASSAGE_MAX_M,
-    SIDE_OPENING_MAX_M, THICKNESS_MAX_M, THICKNESS_MIN_M, THICKNESS_USUAL_M,
-};
 use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind, Path, Shown, shell, swings};
+use crate::sizes::{
+    CAVITY_MAX_M, COLLINEAR_M, CROSSING_MIN_RAD, ERROR_GAP_M, FINISH_MAX_M, OPENING_MAX_M, OPENING_MIN_M,
+    PASSAGE_MAX_M, SIDE_OPENING_MAX_M, SQUARE_SIN, THICKNESS_MAX_M, THICKNESS_MIN_M, THICKNESS_USUAL_M,
+};
 
-/// A wall that ends in front of another's side leaves a passage only if it stands this square to it.
-const SQUARE_SIN: f64 = 0.97;
-
-/// Two walls leave a passage between them only if their axes lie this near to one line: metres, or a share of half
-/// the thickness of the thicker.
-const IN_LINE_M: f64 = 0.03;
-/// See [`IN_LINE_M`].
+/// Ends that look at each other lie in one line up to this share of half their thickness, or [`ERROR_GAP_M`].
 const IN_LINE_SHARE: f64 = 0.5;
 
 /// Nobody walks through a gap before which a wall is drawn nearer than this on both sides: metres beyond its faces, from
 /// where thresholds may lie.
 const CLEAR_MAX_M: f64 = 0.35;
-/// See [`CLEAR_MAX_M`].
-const CLEAR_MIN_M: f64 = 0.04;
 /// Shortest pier in a gap: frames and mullions are shorter.
 const PIER_MIN_M: f64 = 0.5;
 /// What covers more of a gap is the frame of what stands in it.
@@ -148,10 +140,10 @@ impl<'a> Scene<'a> {
                 best = Some(found);
             }
         };
-        for o in self.ends_near.along(&ray, axis.thickness / 2.0 + BESIDE_M) {
+        for o in self.ends_near.along(&ray, axis.thickness / 2.0 + FINISH_MAX_M) {
             self.end_ahead(f, o as usize).into_iter().for_each(&mut offer);
         }
-        for a in self.axes_near.along(&ray, BESIDE_M) {
+        for a in self.axes_near.along(&ray, FINISH_MAX_M) {
             if a != f.axis {
                 self.side_ahead(f, a).into_iter().for_each(&mut offer);
             }
@@ -181,7 +173,7 @@ impl<'a> Scene<'a> {
             width,
             jamb: Jamb { at: on_axis, node: Some(g.node), edge: None },
             other: Some(o),
-            is_square: at.distance(on_axis) <= IN_LINE_M.max(IN_LINE_SHARE * half),
+            is_square: at.distance(on_axis) <= ERROR_GAP_M.max(IN_LINE_SHARE * half),
         })
     }
 
@@ -345,7 +337,7 @@ impl<'a> Scene<'a> {
         [1.0, -1.0].into_iter().all(|side| {
             looks.into_iter().all(|s| {
                 let out = wall.carrier.tangent(s).perp() * side;
-                let way = [half + CLEAR_MIN_M, half + CLEAR_MAX_M].map(|d| wall.carrier.at(s) + out * d);
+                let way = [half + ERROR_GAP_M, half + CLEAR_MAX_M].map(|d| wall.carrier.at(s) + out * d);
                 self.faces_near.along(&way, 0.0).into_iter().any(|f| {
                     let trace = trace(&self.drawn.faces[f as usize].path);
                     trace.windows(2).any(|w| shell::cross(way[0], way[1], [w[0], w[1]]))

@@ -7,8 +7,8 @@ use glam::DVec2;
 use super::carrier::Carrier;
 use super::near::Buckets;
 use super::spans::{self, Span};
-use super::tolerances::{COLLINEAR_M, ERROR_GAP_M, ZERO_M};
 use super::{AxisGraph, Closure, Drawn, Leftover, Role};
+use crate::sizes::{COLLINEAR_M, ERROR_GAP_M, ZERO_M};
 
 /// A piece before merging: a face, or an arc fitted to several faces.
 #[derive(Clone, Debug)]

@@ -5,6 +5,7 @@ use glam::DVec2;
 use super::evidence::trace;
 use super::near::Buckets;
 use super::{Drawn, Opening, OpeningKind, Shown};
+use crate::sizes::ERROR_GAP_M;
 
 /// How far from a wall's face the place beside it lies.
 const BESIDE_M: f64 = 0.35;
@@ -20,9 +21,6 @@ const FAR_M: f64 = 60.0;
 
 /// Length of the steps in which it goes.
 const STEP_M: f64 = 2.0;
-
-/// Walls thinner by this than the outer ones are inner walls.
-const THINNER_M: f64 = 0.02;
 
 /// The walls of a drawing with their openings closed.
 pub struct Shell {
@@ -97,7 +95,7 @@ pub fn tell_sliding_doors(drawn: &Drawn, openings: &mut [Opening]) {
     let outer_m = outer.get(outer.len() / 2).copied().unwrap_or(f64::MAX);
     for (i, is_between) in windows.into_iter().zip(between) {
         let o = &mut openings[i];
-        let is_inner = o.shown == Shown::Sashes || o.thickness_m < outer_m - THINNER_M;
+        let is_inner = o.shown == Shown::Sashes || o.thickness_m < outer_m - ERROR_GAP_M;
         if is_between && is_unsure(o) && is_inner {
             o.kind = OpeningKind::Door;
         }

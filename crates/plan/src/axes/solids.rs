@@ -6,8 +6,8 @@ use glam::DVec2;
 
 use super::carrier::Carrier;
 use super::runs::Run;
-use super::tolerances::ZERO_M;
 use super::{Drawn, Path};
+use crate::sizes::ZERO_M;
 use enfilade_cad::plane::is_inside_ring;
 
 /// Outlines whose area is at most this times half their length are walls; rooms are wider.

@@ -14,9 +14,9 @@ use super::rows;
 use super::runs::Run;
 use super::solids::{Known, Solids};
 use super::spans::{self, Span};
-use super::tolerances::{
-    COLLINEAR_M, ERROR_GAP_M, FINISH_MAX_M, LAYER_MAX_M, LAYERED_MAX_M, SKEW_RAD, THICKNESS_MAX_M,
-    THICKNESS_MIN_M, THICKNESS_USUAL_M,
+use crate::sizes::{
+    COLLINEAR_M, CONCENTRIC_M, ERROR_GAP_M, FINISH_MAX_M, LAYER_MAX_M, LAYERED_MAX_M, SKEW_RAD,
+    THICKNESS_MAX_M, THICKNESS_MIN_M, THICKNESS_USUAL_M,
 };
 
 /// Width of the bins in which thicknesses are counted.
@@ -27,10 +27,6 @@ const COMMON_SHARE: f64 = 0.08;
 const THICK_SHARE: f64 = 0.04;
 /// A layer follows at least this share of the wall beside it.
 const LAYER_COVER: f64 = 0.6;
-/// A layer is this even.
-const LAYER_EVEN_M: f64 = 0.006;
-/// Circles whose centres are nearer than this are concentric.
-const CONCENTRIC_M: f64 = 0.06;
 /// A stub of wall is at least this long for its thickness.
 const STUB_ASPECT: f64 = 0.2;
 /// No strip is shorter.
@@ -273,7 +269,7 @@ impl<'a> Choice<'a> {
         let has_twin = |core: &Cell, k: usize| {
             beyond(core, k)
                 .map(cell)
-                .any(|e| (e.t - c.t).abs() < LAYER_EVEN_M && overlaps(core.runs[0], core.span, e))
+                .any(|e| (e.t - c.t).abs() < COLLINEAR_M && overlaps(core.runs[0], core.span, e))
         };
         c.t <= FINISH_MAX_M
             && (0..2).any(|k| {
@@ -344,7 +340,7 @@ impl<'a> Choice<'a> {
             }
             layer.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
             let Some(t) = layer.first().map(|l| l.0) else { continue };
-            layer.retain(|l| l.0 - t < LAYER_EVEN_M);
+            layer.retain(|l| l.0 - t < COLLINEAR_M);
             let shared: f64 = layer.iter().map(|l| l.1).sum();
             if shared < LAYER_COVER * spans::length(made.span) {
                 continue;

@@ -10,25 +10,17 @@ use super::carrier::Carrier;
 use super::evidence::{Evidence, trace};
 use super::near::Buckets;
 use super::swing::Swing;
-use super::tolerances::OPENING_MIN_M;
 use super::{AxisGraph, Drawn, Edge, Jamb, NodeKind, Opening, OpeningKind, Path, Shown};
+use crate::sizes::{ERROR_GAP_M, FINISH_MAX_M, FRAME_M, OPENING_MIN_M, SQUARE_SIN, THICKNESS_THIN_M};
 use enfilade_cad::curve::bulge_arc;
 use enfilade_cad::plane::{distance_to_segment, is_inside_ring};
 
 /// How far beyond a hinge or a tip its jamb may stand: the frame.
-const FRAME_M: f64 = 0.2;
-/// How far behind a hinge or a tip its jamb may begin: leaves let into the wall.
-const SUNK_M: f64 = 0.12;
-/// How far beside the closed leaf its jamb may lie.
-const BESIDE_M: f64 = 0.06;
+const JAMB_BEYOND_M: f64 = 0.2;
 /// Swings may end this far before their leaves are closed.
 const AJAR_RAD: f64 = 0.35;
 /// Leaves that meet are alike up to this share.
 const LIKE_SHARE: f64 = 0.15;
-/// Directions whose cosine is larger are one.
-const SAME_COS: f64 = 0.97;
-/// How much room a closed leaf has before a wall along it: nearer, it lies on the wall.
-const CLEAR_M: f64 = 0.04;
 /// Half the thickness of a wall drawn as one line.
 const SINGLE_HALF_M: f64 = 0.02;
 /// Ends of an open leaf's line are this near to hinge and tip, as a share of its length.
@@ -194,10 +186,10 @@ impl<'a> Scene<'a> {
         let offset = offsets.iter().sum::<f64>() / offsets.len().max(1) as f64;
         let walls = placed.iter().filter_map(|(_, _, wall)| *wall);
         let thickness_m = walls.map(|(e, _)| e.thickness_m).fold(0.0, f64::max);
-        let thickness_m = if thickness_m > 0.0 { thickness_m } else { DOOR_THICKNESS_M };
+        let thickness_m = if thickness_m > 0.0 { thickness_m } else { THICKNESS_THIN_M };
         let [a, b] = placed.map(|(at, jamb, _)| Jamb { at: at + along.perp() * offset, ..jamb });
         let width_m = (b.at - a.at).dot(along);
-        if width_m < OPENING_MIN_M.max(p.distance(q) - 2.0 * SUNK_M) || !self.is_clear(a.at, b.at) {
+        if width_m < OPENING_MIN_M.max(p.distance(q) - 2.0 * FRAME_M) || !self.is_clear(a.at, b.at) {
             return None;
         }
         let seen = self.evidence.look(&Carrier::line(a.at, b.at), thickness_m, [0.0, width_m]);
@@ -219,13 +211,13 @@ impl<'a> Scene<'a> {
 
     /// The nearest body that begins beside a place in a direction, and how far from it.
     fn stands_at(&self, at: DVec2, out: DVec2) -> Option<(f64, usize)> {
-        let (from, to) = (at - out * SUNK_M, at + out * FRAME_M);
+        let (from, to) = (at - out * FRAME_M, at + out * JAMB_BEYOND_M);
         let mut best: Option<(f64, usize)> = None;
-        for i in self.near.near(from.min(to) - BESIDE_M, from.max(to) + BESIDE_M) {
+        for i in self.near.near(from.min(to) - FINISH_MAX_M, from.max(to) + FINISH_MAX_M) {
             for side in sides(&self.bodies[i as usize].1) {
-                for beside in [0.0, -BESIDE_M, BESIDE_M] {
+                for beside in [0.0, -FINISH_MAX_M, FINISH_MAX_M] {
                     let ray = [from, to].map(|p| p + out.perp() * beside);
-                    let s = crossing(ray, side).map(|share| share * (SUNK_M + FRAME_M) - SUNK_M);
+                    let s = crossing(ray, side).map(|share| share * (FRAME_M + JAMB_BEYOND_M) - FRAME_M);
                     if let Some(s) = s.filter(|s| best.is_none_or(|b| *s < b.0 - 1e-9)) {
                         best = Some((s, i as usize));
                     }
@@ -245,9 +237,9 @@ impl<'a> Scene<'a> {
         let edge = &self.graph.edges[wall as usize];
         let ends = self.graph.ends(edge);
         let is_along =
-            edge.bulge == 0.0 && (ends[1] - ends[0]).normalize_or_zero().dot(along).abs() > SAME_COS;
+            edge.bulge == 0.0 && (ends[1] - ends[0]).normalize_or_zero().dot(along).abs() > SQUARE_SIN;
         let near = usize::from(ends[1].distance(at) < ends[0].distance(at));
-        if is_along && ends[near].distance(at) <= edge.thickness_m + FRAME_M {
+        if is_along && ends[near].distance(at) <= edge.thickness_m + JAMB_BEYOND_M {
             (jamb(Some(edge.nodes[near]), None), Some((edge, ends[near])))
         } else {
             (jamb(None, Some(wall)), None)
@@ -256,19 +248,16 @@ impl<'a> Scene<'a> {
 
     /// Whether no wall and no column stands between two jambs, or runs along the line between them.
     fn is_clear(&self, a: DVec2, b: DVec2) -> bool {
-        let near = self.near.near(a.min(b) - CLEAR_M, a.max(b) + CLEAR_M);
+        let near = self.near.near(a.min(b) - ERROR_GAP_M, a.max(b) + ERROR_GAP_M);
         [0.15, 0.3, 0.5, 0.7, 0.85].into_iter().all(|t| {
             let p = a.lerp(b, t);
             near.iter().all(|i| {
                 let ring = &self.bodies[*i as usize].1;
-                !is_inside_ring(ring, p) && sides(ring).all(|s| distance_to_segment(p, s) > CLEAR_M)
+                !is_inside_ring(ring, p) && sides(ring).all(|s| distance_to_segment(p, s) > ERROR_GAP_M)
             })
         })
     }
 }
-
-/// Thickness of a door where no wall runs along it.
-const DOOR_THICKNESS_M: f64 = 0.1;
 
 /// The ground that a wall stands on.
 fn outline(graph: &AxisGraph, edge: &Edge) -> Vec<DVec2> {

@@ -1,7 +1,7 @@
 //! What is understood of small plans. Whole plans in the styles of offices: `tests/understanding.rs`.
 
-use super::tolerances::CAVITY_MAX_M;
 use super::*;
+use crate::sizes::CAVITY_MAX_M;
 
 /// Lines of a wall each.
 pub fn lines(all: &[[f64; 4]]) -> Drawn {

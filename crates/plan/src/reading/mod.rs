@@ -34,6 +34,9 @@ pub struct RoleSense {
 /// How sure an outline of a room is a wall: below [`questions::WALLS_SURE`], so that it is asked. Two drawings only.
 const OUTLINE_SURE: f32 = 0.4;
 
+/// How sure it is that what lies in a section or a legend is none of the plan's: as the box of a drawing is right.
+const BESIDE_SURE: f32 = 0.91;
+
 /// How sure the unit is, and why.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UnitSense {
@@ -97,6 +100,14 @@ impl Reading {
         let is_firm = |(_, i): &(usize, &usize)| said.get(*i) == Some(&Role::Wall);
         self.firm = walls.iter().enumerate().filter(is_firm).map(|(w, _)| w as u32).collect();
         self.said = said;
+        self
+    }
+
+    /// Without what is drawn beside the plans of a sheet: a section cuts no wall of theirs.
+    #[must_use]
+    pub(super) fn without_beside(mut self, is_beside: &[bool]) -> Self {
+        let senses = self.senses.iter_mut().zip(is_beside).filter(|(_, is_beside)| **is_beside);
+        senses.for_each(|(s, _)| *s = RoleSense { role: Role::Unknown, confidence: BESIDE_SURE });
         self
     }
 
