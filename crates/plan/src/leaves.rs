@@ -10,21 +10,11 @@ use glam::DVec2;
 use super::axes::Path;
 use super::axes::near::Buckets;
 use super::axes::swing::LEAF_M;
-use super::axes::tolerances::COLLINEAR_M;
+use crate::sizes::{COLLINEAR_M, ERROR_GAP_M, FINISH_MAX_M, JAMB_M, THICKNESS_USUAL_M};
 use enfilade_cad::plane::distance_to_segment;
 
 /// Thickest leaf, metres.
 const THICK_M: f64 = 0.07;
-
-/// Ends nearer than this meet, metres: what a slip of the hand leaves between them.
-const AT_M: f64 = 0.03;
-
-/// What a frame takes of a gap on each side at most, metres: a leaf hangs at it, and is as much shorter. Lining and rebate
-/// of a timber frame take up to 90 mm.
-const JAMB_M: f64 = 0.09;
-
-/// Corners of a slip that is drawn by lines are closed up to this, metres: as [`COLLINEAR_M`], what rounding leaves.
-const CORNER_M: f64 = COLLINEAR_M;
 
 /// How far a leaf stands open, radians.
 const OPEN_RAD: [f64; 2] = [0.4, 2.0];
@@ -32,11 +22,11 @@ const OPEN_RAD: [f64; 2] = [0.4, 2.0];
 /// The face goes on beyond the gap in one line: the cosine.
 const ALONG_COS: f64 = 0.985;
 
+/// How far behind the face of its wall a leaf may hang: in the middle of a usual one.
+const BEHIND_M: f64 = THICKNESS_USUAL_M / 2.0;
+
 /// Shortest piece of face that tells where a gap begins, metres.
 const FACE_MIN_M: f64 = 0.05;
-
-/// How much of a gap beside its jambs is not looked at, metres.
-const FRAME_M: f64 = 0.06;
 
 /// Where more ends than this lie in a square of half a metre, nothing is a leaf: hatches, lines drawn over one another. It
 /// keeps their time linear.
@@ -115,8 +105,8 @@ impl Pieces {
             let length = hinge.distance(end);
             let tip = self.tip(hinge, end, own)?;
             let at_end =
-                |p: &Piece| distance_to_segment(end, p.ends) <= AT_M && !is_chord(p.ends, [end, tip]);
-            if self.others(end - AT_M, end + AT_M, own).any(|p| at_end(&p)) {
+                |p: &Piece| distance_to_segment(end, p.ends) <= ERROR_GAP_M && !is_chord(p.ends, [end, tip]);
+            if self.others(end - ERROR_GAP_M, end + ERROR_GAP_M, own).any(|p| at_end(&p)) {
                 return None;
             }
             let turn = (end - hinge).angle_to(tip - hinge);
@@ -129,15 +119,18 @@ impl Pieces {
     /// Where a leaf closes: at the other jamb of the gap that begins at its hinge.
     fn tip(&self, hinge: DVec2, end: DVec2, own: usize) -> Option<DVec2> {
         let length = hinge.distance(end);
-        let jambs = self.walls(hinge - JAMB_M, hinge + JAMB_M, own);
-        let outs = jambs.filter_map(|s| out_of(s, hinge, JAMB_M));
-        outs.into_iter().find_map(|out| {
+        let jambs = self.walls(hinge - BEHIND_M, hinge + BEHIND_M, own);
+        let jambs = jambs.filter_map(|s| Jamb::at(s, hinge));
+        jambs.into_iter().find_map(|Jamb { out, near }| {
             let open = out.angle_to(end - hinge).abs();
             let at = hinge + out * length;
-            let faces = self.walls(at - JAMB_M, at + JAMB_M, own);
-            let goes_on = faces.filter_map(|s| out_of(s, at, JAMB_M)).any(|back| back.dot(out) < -ALONG_COS);
+            let mut faces = self.walls(at - BEHIND_M, at + BEHIND_M, own).filter_map(|s| Jamb::at(s, at));
+            let goes_on = faces.any(|other| {
+                let is_in_line = out.perp_dot(other.near - near).abs() <= ERROR_GAP_M;
+                other.out.dot(out) < -ALONG_COS && is_in_line
+            });
             let is_leaf = (OPEN_RAD[0]..=OPEN_RAD[1]).contains(&open) && goes_on;
-            (is_leaf && self.is_clear(hinge + out * FRAME_M, at - out * FRAME_M, own)).then_some(at)
+            (is_leaf && self.is_clear(hinge + out * FINISH_MAX_M, at - out * FINISH_MAX_M, own)).then_some(at)
         })
     }
 
@@ -146,8 +139,9 @@ impl Pieces {
             (d - c).perp_dot(p - c).signum() * (d - c).perp_dot(q - c).signum() < 0.0
         };
         // What lies along the gap is its wall's face.
-        let runs_along =
-            |[c, d]: [DVec2; 2]| [c, d].iter().all(|p| (b - a).normalize().perp_dot(*p - a).abs() <= AT_M);
+        let runs_along = |[c, d]: [DVec2; 2]| {
+            [c, d].iter().all(|p| (b - a).normalize().perp_dot(*p - a).abs() <= ERROR_GAP_M)
+        };
         let mut others = self.walls(a.min(b), a.max(b), own).filter(|s| !runs_along(*s));
         !others.any(|s| parts([a, b], s) && parts(s, [a, b]))
     }
@@ -192,21 +186,21 @@ fn slips(lines: &[[DVec2; 2]]) -> Vec<([usize; 4], [DVec2; 4])> {
     let length = |s: [DVec2; 2]| s[0].distance(s[1]);
     // The other end of a line that ends here, and which it is.
     let on = |at: DVec2, reach: RangeInclusive<f64>, but: usize| {
-        let ending = if crowd.is_at(at) { Vec::new() } else { near.near(at - CORNER_M, at + CORNER_M) };
+        let ending = if crowd.is_at(at) { Vec::new() } else { near.near(at - COLLINEAR_M, at + COLLINEAR_M) };
         let ending = ending.into_iter();
         let ending = ending.map(|i| i as usize).filter(move |i| *i != but);
         ending.filter(move |i| reach.contains(&length(lines[*i]))).filter_map(move |i| {
             let [a, b] = lines[i];
-            let meets = |p: DVec2| p.distance(at) <= CORNER_M;
+            let meets = |p: DVec2| p.distance(at) <= COLLINEAR_M;
             if meets(a) { Some((i, b)) } else { meets(b).then_some((i, a)) }
         })
     };
-    let edge = CORNER_M..=THICK_M;
+    let edge = COLLINEAR_M..=THICK_M;
     let mut out = Vec::new();
     for (first, [a, b]) in lines.iter().copied().enumerate().filter(|(_, s)| LEAF_M.contains(&length(*s))) {
         let found = on(b, edge.clone(), first).find_map(|(second, c)| {
-            let (third, d) = on(c, LEAF_M, first).find(|(_, d)| d.distance(a) <= THICK_M + CORNER_M)?;
-            let (fourth, _) = on(d, edge.clone(), third).find(|(_, e)| e.distance(a) <= CORNER_M)?;
+            let (third, d) = on(c, LEAF_M, first).find(|(_, d)| d.distance(a) <= THICK_M + COLLINEAR_M)?;
+            let (fourth, _) = on(d, edge.clone(), third).find(|(_, e)| e.distance(a) <= COLLINEAR_M)?;
             (first < third).then_some(([first, second, third, fourth], [a, b, c, d]))
         });
         out.extend(found);
@@ -216,14 +210,26 @@ fn slips(lines: &[[DVec2; 2]]) -> Vec<([usize; 4], [DVec2; 4])> {
 
 /// Whether a piece runs from where a leaf stands open to where it closes: its swing, drawn straight.
 fn is_chord(piece: [DVec2; 2], [end, tip]: [DVec2; 2]) -> bool {
-    let meets = |[p, q]: [DVec2; 2]| p.distance(end) <= AT_M && q.distance(tip) <= JAMB_M;
+    let meets = |[p, q]: [DVec2; 2]| p.distance(end) <= ERROR_GAP_M && q.distance(tip) <= JAMB_M;
     meets(piece) || meets([piece[1], piece[0]])
 }
 
-/// The direction in which a piece ends at a place, out of the piece; none for what is too short to tell.
-fn out_of([a, b]: [DVec2; 2], at: DVec2, reach: f64) -> Option<DVec2> {
-    let (far, near) = if a.distance(at) < b.distance(at) { (b, a) } else { (a, b) };
-    (near.distance(at) <= reach && far.distance(near) >= FACE_MIN_M).then(|| (near - far).normalize())
+/// Where the face of a wall ends beside a gap, and the direction out of it.
+struct Jamb {
+    out: DVec2,
+    near: DVec2,
+}
+
+impl Jamb {
+    /// That of a face at a place in the gap, between the faces of its wall or at one of them; none of what is too short to
+    /// tell.
+    fn at([a, b]: [DVec2; 2], at: DVec2) -> Option<Self> {
+        let (far, near) = if a.distance(at) < b.distance(at) { (b, a) } else { (a, b) };
+        let out = (near - far).try_normalize().filter(|_| far.distance(near) >= FACE_MIN_M)?;
+        let beside = at - near;
+        let is_at = out.dot(beside).abs() <= JAMB_M && out.perp_dot(beside).abs() <= BEHIND_M;
+        is_at.then_some(Self { out, near })
+    }
 }
 
 /// The long sides of what may be a leaf: one line, or a slip of four.
@@ -277,6 +283,8 @@ mod tests {
             ([2.0, 0.0, 2.0 + slanting, -slanting], Some([20, 45])),
             ([2.0, 0.1, 2.0, 1.0 + JAMB_M + 0.02], None),
             ([2.0, 0.1, 2.0, 0.9 - JAMB_M], None),
+            ([2.0, 0.05, 2.0, 0.95], Some([20, 90])),
+            ([2.0, 0.1 + BEHIND_M + 0.02, 2.0, 1.0 + BEHIND_M + 0.02], None),
             ([2.0, 0.1, 2.89, 0.2], None),
             ([1.5, 0.1, 1.5, 1.0], None),
         ] {
