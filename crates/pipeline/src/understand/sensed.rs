@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use crate::understand::building;
-use crate::understand::senses::{in_openings, of_entity};
+use crate::understand::senses::{in_windows, of_entity};
 use crate::understand::sureness::{SURE_WITHOUT_WALLS, Sureness, Ways};
 use crate::understand::understood::Understood;
 use enfilade_cad::drawing::{Drawing, Entity, Format};
@@ -87,7 +87,7 @@ impl Sensed {
             let pieces = plan.walls[w].trace.segments();
             pieces.map(|(_, _, s)| ((s.b[0] - s.a[0]) as f64).hypot((s.b[1] - s.a[1]) as f64)).sum()
         };
-        let parts = in_openings(base);
+        let parts = in_windows(base);
         let sense = |i: &usize| parts.get(i).copied().unwrap_or_else(|| of_entity(plan, *i, true));
         let walls = base.entities.iter().enumerate().map(|(w, i)| (sense(i), length(w)));
         let walls: Vec<(RoleSense, f64)> = walls.collect();

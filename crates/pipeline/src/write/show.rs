@@ -8,14 +8,13 @@ use crate::measure::worth::Worth;
 use crate::understand::building;
 use crate::understand::rooms::Room;
 use crate::understand::sensed::Sensed;
-use crate::understand::senses::{in_openings, of_entity};
+use crate::understand::senses::{in_windows, of_entity};
 use crate::understand::understood::Understood;
 use crate::write::maps::Map;
 use enfilade_cad::bearing;
 use enfilade_cad::curve::control_points;
 use enfilade_cad::drawing::{Addition, Format, Mark, Shape, SourceRef, Vertex, place_in};
 use enfilade_cad::plane::box_of;
-use enfilade_cad::roles::Role;
 use enfilade_config::Penalty;
 use enfilade_engine::Region;
 use enfilade_engine::geometry::{PointUm, Segment, Side, UM_PER_M, side_of_ring};
@@ -183,19 +182,16 @@ fn kind_words(room: &Room) -> Option<String> {
 pub(crate) fn check_picture(base: &Understood, sensed: &Sensed, rooms: &[Room]) -> PlanPicture {
     let mut out = picture(base);
     out.floor = floor_shapes(base, sensed, rooms);
-    let parts = in_openings(base);
-    let part = |w: usize| parts.get(&base.entities[w]).map(|sense| sense.role);
+    let parts = in_windows(base);
+    let is_pane = |w: usize| parts.contains_key(&base.entities[w]);
     let is_doubtful =
-        |w: &usize| part(*w).is_none() && of_entity(&base.plan, base.entities[*w], true).confidence < SURE;
+        |w: &usize| !is_pane(*w) && of_entity(&base.plan, base.entities[*w], true).confidence < SURE;
     let doubtful = (0..base.plan.walls.len()).filter(is_doubtful).map(|w| &base.plan.walls[w]);
     let doubtful: Vec<Stroke> =
         doubtful.map(|w| stroke_of(&base.plan, &w.trace, false, StrokeKind::Doubtful)).collect();
-    let strokes = |w: usize| match part(w) {
-        None => wall_strokes(base, w),
-        Some(role) => {
-            let kind = if role == Role::Window { StrokeKind::Window } else { StrokeKind::Ignored };
-            vec![stroke_of(&base.plan, &base.plan.walls[w].trace, false, kind)]
-        }
+    let strokes = |w: usize| match is_pane(w) {
+        false => wall_strokes(base, w),
+        true => vec![stroke_of(&base.plan, &base.plan.walls[w].trace, false, StrokeKind::Window)],
     };
     out.strokes = (0..base.plan.walls.len()).flat_map(strokes).collect();
     out.strokes.extend(base.plan.walls.iter().flat_map(|w| wide_strokes(&base.plan, w)));

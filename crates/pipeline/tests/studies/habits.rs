@@ -192,6 +192,32 @@ fn a_column_of_lines_is_one_drawn_as_an_outline() {
     assert!(of_lines.iter().all(|of| !of.1.is_empty()));
 }
 
+/// How many lines of the only layer are read as glass, where a window is drawn as its panes between two jambs.
+fn panes_on(layer: &str) -> usize {
+    let side = |l: [f64; 4]| line(layer, l);
+    let jambs = [4.0, 5.5].map(|x| [x, 0.0, x, 0.3]);
+    let faces = [[0.0, 4.0], [5.5, 10.0]].map(|[a, b]| [[a, 0.0, b, 0.0], [a, 0.3, b, 0.3]]);
+    let rest = [
+        [10.0, 0.0, 10.0, 7.0],
+        [9.7, 0.3, 9.7, 6.7],
+        [10.0, 7.0, 0.0, 7.0],
+        [9.7, 6.7, 0.3, 6.7],
+        [0.0, 7.0, 0.0, 0.0],
+        [0.3, 6.7, 0.3, 0.3],
+    ];
+    let panes = [0.0, 0.15, 0.3].map(|y| [4.0, y, 5.5, y]);
+    let all = faces.concat().into_iter().chain(jambs).chain(rest).chain(panes);
+    let result = check(&all.map(side).collect::<String>());
+    assert_eq!(result.windows, 1, "{layer}");
+    result.reading.unwrap().entities.iter().filter(|e| e.role == "window").count()
+}
+
+/// Lines from jamb to jamb of a window are glass, unless their layer is named after walls.
+#[test]
+fn what_runs_through_a_window_is_glass() {
+    assert_eq!((panes_on("10"), panes_on("A-WALL")), (3, 0));
+}
+
 /// A window drawn on the layer of the walls between their faces, which run through: two lines across and two along, however
 /// far apart, be it as far as a partition is thick.
 #[test]

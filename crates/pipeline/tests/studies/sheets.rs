@@ -274,6 +274,32 @@ fn the_plan_of_the_rooms_is_read() {
     }
 }
 
+/// Of drawings without titles the one with doors is the plan, though framing drawn over the same outline has more lines.
+#[test]
+fn framing_without_doors_is_no_plan() {
+    let beams: Vec<[f64; 4]> = [1.1, 2.3, 3.2, 4.9, 5.5, 6.1].iter().map(|y| [0.3, *y, 3.94, *y]).collect();
+    let framing = lines("A-WALL", [15.0, 0.0], &WALLS) + &lines("A-WALL", [15.0, 0.0], &beams);
+    let walls = lines("A-WALL", [0.0, 0.0], &WALLS);
+    assert_eq!(Read::of(&(house([0.0, 0.0], "") + &framing), None).taken(), ["drawing 1"]);
+    assert_eq!(Read::of(&(walls + &framing), None).taken(), ["drawing 2"], "no doors at all");
+}
+
+/// What lies in a section is taken for nothing of the plan; what lies in another floor is taken for what it is.
+#[test]
+fn a_section_cuts_no_wall_of_the_plan() {
+    let plan = house([0.0, 0.0], "FLOOR PLAN");
+    let walls = |more: &str| {
+        let read = Read::of(&(plan.clone() + more), None);
+        let senses = &read.plan.reading.senses;
+        senses.iter().filter(|s| s.role.stops_sight()).count()
+    };
+    let alone = walls("");
+    for title in ["SECTION A-A", "ROOF PLAN", "SITE PLAN"] {
+        assert_eq!(walls(&house([15.0, 0.0], title)), alone, "{title}");
+    }
+    assert_eq!(walls(&house([15.0, 0.0], "FIRST FLOOR PLAN")), 2 * alone);
+}
+
 fn marked(layer: &str, extent: [f64; 4], words: &str) -> String {
     let words =
         if words.is_empty() { String::new() } else { text(layer, [extent[0] + 0.1, extent[1] + 0.1], words) };
