@@ -2,10 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::far_off::far_off;
 use super::hidden::Hidden;
 use super::reading::corrections::{Said, with_walls, without_others};
 use super::reading::{Reading, section};
-use super::views::{MarkKind, STRAY, Sheet, SheetMark, View, far_off, split, strays};
+use super::views::{MarkKind, STRAY, Sheet, SheetMark, View, split, strays};
 use super::{LayerUse, PlanOptions, dots, view_box};
 use enfilade_cad::drawing::{Drawing, Entity, Format};
 use enfilade_cad::layers::WallLayers;

@@ -15,7 +15,7 @@ use enfilade_engine::geometry::{PointUm, Segment};
 use enfilade_plan::allowed::is_of_works_alone;
 use enfilade_plan::axes::Opening;
 use enfilade_plan::curve::{self, Trace};
-use enfilade_plan::views::FAR_M;
+use enfilade_plan::far_off::FAR_M;
 use enfilade_plan::{DOOR_LAYER, Plan, Wall};
 use enfilade_report::{Error, Place};
 
