@@ -155,22 +155,27 @@ impl<'d> OnSheet<'d> {
             others.any(|q| distance_to_segment(p, [q.a, q.b]) <= same)
         };
         inside.filter(|i| is_own(*i)).all(|i| ends_at(i, self.lines[i].a) && ends_at(i, self.lines[i].b))
-            && self.doors(extent).next().is_none()
+            && !self.inside(extent).any(|e| self.swings(e) || is_named_door(e))
     }
 
-    /// What shows doors in a box: their swings, and what is named after them.
-    pub fn doors(&self, extent: &[DVec2; 2]) -> impl Iterator<Item = &'d Entity> {
-        let is_in = is_in(extent);
-        let is_door = |e: &Entity| {
-            let named = e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]);
-            let swings = match e.shape {
-                Shape::Arc { radius, .. } => LEAF_M.contains(&(radius * self.metres_per_unit)),
-                _ => false,
-            };
-            swings || named.map(|n| role_by_name(n).0).any(|r| r == Role::Door)
-        };
-        self.entities.touching(extent).filter(move |e| is_in(&middle(&e.shape)) && is_door(e))
+    /// How many swings of doors are drawn in a box.
+    pub fn swings_in(&self, extent: &[DVec2; 2]) -> usize {
+        self.inside(extent).filter(|e| self.swings(e)).count()
     }
+
+    fn inside(&self, extent: &[DVec2; 2]) -> impl Iterator<Item = &'d Entity> {
+        let is_in = is_in(extent);
+        self.entities.touching(extent).filter(move |e| is_in(&middle(&e.shape)))
+    }
+
+    fn swings(&self, e: &Entity) -> bool {
+        matches!(e.shape, Shape::Arc { radius, .. } if LEAF_M.contains(&(radius * self.metres_per_unit)))
+    }
+}
+
+fn is_named_door(e: &Entity) -> bool {
+    let mut named = e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]);
+    named.any(|n| role_by_name(n).0 == Role::Door)
 }
 
 /// Names of floors that stand over one another in a column, as far apart as floors do: beside sections and elevations they

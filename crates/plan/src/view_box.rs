@@ -49,7 +49,7 @@ pub(super) fn view([lo, hi]: [DVec2; 2], wall_pieces: usize) -> View {
         extent: [lo, hi],
         wall_pieces,
         column_pieces: 0,
-        door_pieces: 0,
+        swings: 0,
         kind: Title::Plan,
         is_chosen: true,
         why: "--view states its box".into(),

@@ -48,10 +48,10 @@ const SPANNED_SHARE: f64 = 0.25;
 /// A line this long against the sheet that is no wall is a frame or a construction line.
 const FRAME_SHARE: f64 = 0.3;
 
-/// Columns and doors are cut in plans alone: where so many pieces of them are drawn in one view, an untitled view without any
-/// is worth less by [`NOTHING_CUT`]. Framing, floors and roofs are drawn over the same outline.
+/// Columns are cut and doors swing in plans alone: where so many of them are drawn in one view, an untitled view without any is
+/// worth less by [`NOTHING_CUT`]. Framing and roofs are drawn over the same outline.
 const COLUMN_PIECES_MIN: usize = 16;
-const DOOR_PIECES_MIN: usize = 4;
+const SWINGS_MIN: usize = 2;
 const NOTHING_CUT: f64 = 1.0;
 
 /// How often the drawing that is taken is a plan and its box that of one, where its title or that it is alone says so: in
@@ -78,8 +78,8 @@ pub struct View {
     pub wall_pieces: usize,
     /// Those of them that lie on layers named after columns.
     pub column_pieces: usize,
-    /// What shows doors in it: swings, and what is named after doors.
-    pub door_pieces: usize,
+    /// Swings of doors in it.
+    pub swings: usize,
     /// What it was judged to be.
     pub kind: Title,
     /// Whether the plan was read from it.
@@ -131,20 +131,23 @@ impl SheetMark {
 }
 
 impl View {
-    /// Whether it shows no rooms from above: what is drawn in it is no wall, door or window of a plan.
-    fn is_no_plan(&self) -> bool {
-        matches!(self.kind, Title::Outside | Title::NoPlan | Title::Beside) && !self.is_chosen
+    /// Whether it shows no rooms from above: what is drawn in it is no wall, door or window of a plan. Where as many doors swing
+    /// as in the plan that is read, the title may be another's.
+    fn is_no_plan(&self, swings_read: usize) -> bool {
+        let is_titled = matches!(self.kind, Title::Outside | Title::NoPlan | Title::Beside);
+        is_titled && !self.is_chosen && self.swings < SWINGS_MIN.max(swings_read)
     }
 }
 
 /// Which entities are drawn in views that are no plans, and in no other.
 pub fn beside_plans(drawing: &Drawing, views: &[View]) -> Vec<bool> {
+    let swings_read = views.iter().filter(|v| v.is_chosen).map(|v| v.swings).max().unwrap_or(0);
     let holds = |v: &View, e: &Entity| is_in(&v.extent)(&middle(&e.shape));
     let is_beside = |e: &Entity| {
         let mut around = views.iter().filter(|v| holds(v, e)).peekable();
-        around.peek().is_some() && around.all(View::is_no_plan)
+        around.peek().is_some() && around.all(|v| v.is_no_plan(swings_read))
     };
-    let has_any = views.iter().any(View::is_no_plan);
+    let has_any = views.iter().any(|v| v.is_no_plan(swings_read));
     drawing.entities.iter().map(|e| has_any && is_beside(e)).collect()
 }
 
@@ -526,14 +529,14 @@ fn views(on_sheet: &OnSheet<'_>, boxes: &[[DVec2; 2]]) -> Vec<View> {
             (kind, why) = (Title::NoPlan, format!("drawn on layer {layer:?}"));
         }
         let (number, wall_pieces, column_pieces, is_chosen) = (0, 0, 0, false);
-        let door_pieces = if boxes.len() > 1 { on_sheet.doors(extent).count() } else { 0 };
+        let swings = if boxes.len() > 1 { on_sheet.swings_in(extent) } else { 0 };
         out.push(View {
             number,
             name,
             extent: *extent,
             wall_pieces,
             column_pieces,
-            door_pieces,
+            swings,
             kind,
             is_chosen,
             why,
@@ -614,12 +617,13 @@ fn choose(sheet: &mut Sheet, marks: &[SheetMark]) {
     let most = sheet.views.iter().map(|v| v.wall_pieces).max().unwrap_or(0) as f64;
     let has = |enough: fn(&View) -> bool| sheet.views.iter().any(enough);
     let has_columns = has(|v| v.column_pieces >= COLUMN_PIECES_MIN);
-    let has_doors = has(|v| v.door_pieces >= DOOR_PIECES_MIN);
-    let score = |v: &View| {
-        let lacks = has_columns && v.column_pieces == 0 || has_doors && v.door_pieces == 0;
-        let less = if lacks && v.kind == Title::Unknown { NOTHING_CUT } else { 0.0 };
-        v.wall_pieces as f64 / most.max(1.0) + v.kind.worth() - less
+    let has_swings = has(|v| v.swings >= SWINGS_MIN);
+    let less = |v: &View, lacks: bool| if lacks && v.kind == Title::Unknown { NOTHING_CUT } else { 0.0 };
+    let by_walls = |v: &View| {
+        let lacks_columns = has_columns && v.column_pieces == 0;
+        v.wall_pieces as f64 / most.max(1.0) + v.kind.worth() - less(v, lacks_columns)
     };
+    let score = |v: &View| by_walls(v) - less(v, has_swings && v.swings == 0);
     let marked = |view: usize| {
         let own = || marks.iter().zip(&sheet.of_mark).filter(|(_, v)| **v == view).map(|(m, _)| m.kind);
         [MarkKind::Region, MarkKind::Move, MarkKind::Keep].map(|kind| own().filter(|k| *k == kind).count())
@@ -630,10 +634,11 @@ fn choose(sheet: &mut Sheet, marks: &[SheetMark]) {
         true => order.max_by(|a, b| score(&sheet.views[*a]).total_cmp(&score(&sheet.views[*b]))),
     };
     let Some(best) = best else { return };
-    // A mark says which one is meant, and a title what it is; of others those that are worth as much are as likely.
+    // A mark says which one is meant, and a title what it is; of others those that are worth as much are as likely. That
+    // a plan shows no swings decides and convinces nobody: some draw a storey without doors.
     let is_untitled = |v: &View| v.kind == Title::Unknown;
     let weight = |v: &View| match is_untitled(&sheet.views[best]) {
-        true if is_untitled(v) => ((score(v) - score(&sheet.views[best])) / WORTH_APART).exp(),
+        true if is_untitled(v) => ((by_walls(v) - by_walls(&sheet.views[best])) / WORTH_APART).min(0.0).exp(),
         _ => 0.0,
     };
     let others: f64 = (0..sheet.views.len()).filter(|i| *i != best).map(|i| weight(&sheet.views[i])).sum();
@@ -655,7 +660,7 @@ mod tests {
             extent: [DVec2::ZERO, DVec2::ONE],
             wall_pieces,
             column_pieces,
-            door_pieces: 0,
+            swings: 0,
             kind,
             is_chosen: false,
             why: String::new(),
@@ -696,16 +701,16 @@ mod tests {
 
     #[test]
     fn a_view_without_doors_is_worth_less_where_enough_are_drawn() {
-        let chosen = |doors: usize, kind: Title| {
-            let with_doors = View { door_pieces: doors, ..view(1, 60, 0, Title::Unknown) };
-            let views = vec![with_doors, view(2, 100, 0, kind)];
+        let chosen = |swings: usize, kind: Title| {
+            let views = vec![View { swings, ..view(1, 60, 0, Title::Unknown) }, view(2, 100, 0, kind)];
             let mut sheet = Sheet { views, of_wall: Vec::new(), of_mark: Vec::new() };
             choose(&mut sheet, &[]);
-            sheet.views.iter().position(|v| v.is_chosen)
+            let taken = sheet.views.iter().position(|v| v.is_chosen);
+            (taken, taken.map(|k| sheet.views[k].confidence < 0.5))
         };
-        assert_eq!(chosen(DOOR_PIECES_MIN, Title::Unknown), Some(0));
-        assert_eq!(chosen(DOOR_PIECES_MIN - 1, Title::Unknown), Some(1));
-        assert_eq!(chosen(DOOR_PIECES_MIN, Title::Plan), Some(1), "what its title says goes first");
+        assert_eq!(chosen(SWINGS_MIN, Title::Unknown), (Some(0), Some(true)), "it is asked");
+        assert_eq!(chosen(SWINGS_MIN - 1, Title::Unknown).0, Some(1));
+        assert_eq!(chosen(SWINGS_MIN, Title::Plan).0, Some(1), "what its title says goes first");
     }
 
     /// As looking at all pairs again after every joining.

@@ -295,7 +295,13 @@ fn a_section_cuts_no_wall_of_the_plan() {
     };
     let alone = walls("");
     for title in ["SECTION A-A", "ROOF PLAN", "SITE PLAN"] {
-        assert_eq!(walls(&house([15.0, 0.0], title)), alone, "{title}");
+        let lines = lines("A-WALL", [15.0, 0.0], &WALLS) + &text("TEXT", [15.0, -0.9], title);
+        assert_eq!(walls(&lines), alone, "{title}");
+        assert_eq!(
+            walls(&house([15.0, 0.0], title)),
+            2 * alone,
+            "{title}: doors swing, it may be another's title"
+        );
     }
     assert_eq!(walls(&house([15.0, 0.0], "FIRST FLOOR PLAN")), 2 * alone);
 }

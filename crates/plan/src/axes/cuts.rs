@@ -14,6 +14,8 @@ use crate::sizes::{COLLINEAR_M, ERROR_GAP_M, JAMB_M, OPENING_MIN_M};
 
 /// Widest opening between two lines across a wall.
 const CUT_MAX_M: f64 = 5.0;
+/// What must be left of a wall beside a cut; less goes to the cut.
+const REST_M: f64 = 0.02;
 /// Narrowest opening that a mark alone makes.
 const MARK_MIN_M: f64 = 0.4;
 
@@ -30,7 +32,7 @@ pub fn cut(axes: Vec<Axis>, spares: &[Spare], evidence: &Evidence<'_>) -> Vec<Ax
             out.push(a);
             continue;
         }
-        for span in spans::without(a.span, &gaps).into_iter().filter(|s| spans::length(*s) > ERROR_GAP_M) {
+        for span in spans::without(a.span, &gaps).into_iter().filter(|s| spans::length(*s) > REST_M) {
             out.push(Axis { span, ..a.clone() });
         }
     }
@@ -47,7 +49,7 @@ fn jambs(axes: &[Axis], spares: &[Spare], near: &Buckets) -> Vec<Vec<f64>> {
             let s = axis.carrier.s_of(middle);
             let is_on = axis.carrier.offset_of(middle).abs() < axis.thickness / 4.0 + COLLINEAR_M;
             let is_across = (spans::length(spare.span) - axis.thickness).abs() < 2.0 * ERROR_GAP_M;
-            if is_on && is_across && s > axis.span[0] - ERROR_GAP_M && s < axis.span[1] + ERROR_GAP_M {
+            if is_on && is_across && s > axis.span[0] - REST_M && s < axis.span[1] + REST_M {
                 jambs[a as usize].push(s);
             }
         }
@@ -176,7 +178,7 @@ fn ends_at_hinge(axis: &Axis, swing: &Swing) -> bool {
 }
 
 fn is_within(gap: Span, span: Span) -> bool {
-    gap[0] > span[0] - ERROR_GAP_M && gap[1] < span[1] + ERROR_GAP_M && spans::length(gap) >= MARK_MIN_M
+    gap[0] > span[0] - REST_M && gap[1] < span[1] + REST_M && spans::length(gap) >= MARK_MIN_M
 }
 
 /// Where the leaf of a swing may close; `meeting`: where it meets its twin, if it has one.

@@ -85,7 +85,9 @@ impl<'a> Evidence<'a> {
             seen.swing |= is_swing;
             seen.panes |= band.has_pane(&path, ERROR_GAP_M) && !spare.is_cap;
             if is_swing || (!spare.is_cap && band.holds(&path)) {
-                seen.faces.extend(&spare.faces);
+                // Of a run of lines those that lie in the gap as a whole: others go on along the wall.
+                let is_in = |f: &&u32| is_swing || band.encloses(&self.drawn.faces[**f as usize].path);
+                seen.faces.extend(spare.faces.iter().filter(is_in));
             }
         }
         seen.faces.sort_unstable();
@@ -184,6 +186,12 @@ impl Band {
         let middle = if points.len() == 2 { points[0].midpoint(points[1]) } else { points[n] };
         let s = self.carrier.s_of(middle);
         self.has(middle, ERROR_GAP_M) && (self.gap[0]..=self.gap[1]).contains(&s)
+    }
+
+    /// The same of a piece that lies in the gap as a whole; a face of the wall may have its middle there too.
+    fn encloses(&self, path: &Path) -> bool {
+        let is_in = |s: f64| (self.gap[0] - FRAME_M..=self.gap[1] + FRAME_M).contains(&s);
+        self.holds(path) && path.ends().iter().all(|e| is_in(self.carrier.s_of(*e)))
     }
 
     /// Whether a piece lies on a jamb, across the wall: it closes a window beside the gap as well as one in it.
