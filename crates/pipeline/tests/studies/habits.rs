@@ -193,8 +193,13 @@ fn a_column_of_lines_is_one_drawn_as_an_outline() {
 }
 
 /// How many lines of the only layer are read as glass, where a window is drawn as its panes between two jambs.
-fn panes_on(layer: &str) -> usize {
-    let side = |l: [f64; 4]| line(layer, l);
+fn panes_on(layer: &str, turn_deg: f64) -> usize {
+    let (sin, cos) = turn_deg.to_radians().sin_cos();
+    let turned = |x: f64, y: f64| [x * cos - y * sin, x * sin + y * cos];
+    let side = |[x0, y0, x1, y1]: [f64; 4]| {
+        let ([a, b], [c, d]) = (turned(x0, y0), turned(x1, y1));
+        line(layer, [a, b, c, d])
+    };
     let jambs = [4.0, 5.5].map(|x| [x, 0.0, x, 0.3]);
     let faces = [[0.0, 4.0], [5.5, 10.0]].map(|[a, b]| [[a, 0.0, b, 0.0], [a, 0.3, b, 0.3]]);
     let rest = [
@@ -215,7 +220,9 @@ fn panes_on(layer: &str) -> usize {
 /// Lines from jamb to jamb of a window are glass, unless their layer is named after walls.
 #[test]
 fn what_runs_through_a_window_is_glass() {
-    assert_eq!((panes_on("10"), panes_on("A-WALL")), (3, 0));
+    for turn_deg in [0.0, 1.0, 17.0, 45.0] {
+        assert_eq!((panes_on("10", turn_deg), panes_on("A-WALL", turn_deg)), (3, 0), "{turn_deg}");
+    }
 }
 
 /// A window drawn on the layer of the walls between their faces, which run through: two lines across and two along, however
