@@ -268,6 +268,9 @@ fn default_moves_are_few() {
     assert_eq!(by_default(&d).2.groups.len(), GROUPS_MAX);
     // Apart from one another: lines drawn over one another take their own time to be read.
     for i in 0..=PIECES_MAX {
+        if i == PIECES_MAX / 200 {
+            assert!(!by_default(&d).2.parameters.is_empty(), "few enough");
+        }
         let (x, y) = (1.0 + (i % 140) as f64 * 0.7, 3.0 + (i / 140) as f64 * 0.9);
         d.line(x, y, x, y + 0.5);
     }

@@ -120,11 +120,11 @@ impl Pieces {
     fn tip(&self, hinge: DVec2, end: DVec2, own: usize) -> Option<DVec2> {
         let length = hinge.distance(end);
         let jambs = self.walls(hinge - BEHIND_M, hinge + BEHIND_M, own);
-        let jambs = jambs.filter_map(|s| Jamb::at(s, hinge));
-        jambs.into_iter().find_map(|Jamb { out, near }| {
+        let jambs = jambs.filter_map(|s| FaceEnd::at(s, hinge));
+        jambs.into_iter().find_map(|FaceEnd { out, near }| {
             let open = out.angle_to(end - hinge).abs();
             let at = hinge + out * length;
-            let mut faces = self.walls(at - BEHIND_M, at + BEHIND_M, own).filter_map(|s| Jamb::at(s, at));
+            let mut faces = self.walls(at - BEHIND_M, at + BEHIND_M, own).filter_map(|s| FaceEnd::at(s, at));
             let goes_on = faces.any(|other| {
                 let is_in_line = out.perp_dot(other.near - near).abs() <= ERROR_GAP_M;
                 other.out.dot(out) < -ALONG_COS && is_in_line
@@ -215,12 +215,12 @@ fn is_chord(piece: [DVec2; 2], [end, tip]: [DVec2; 2]) -> bool {
 }
 
 /// Where the face of a wall ends beside a gap, and the direction out of it.
-struct Jamb {
+struct FaceEnd {
     out: DVec2,
     near: DVec2,
 }
 
-impl Jamb {
+impl FaceEnd {
     /// That of a face at a place in the gap, between the faces of its wall or at one of them; none of what is too short to
     /// tell.
     fn at([a, b]: [DVec2; 2], at: DVec2) -> Option<Self> {

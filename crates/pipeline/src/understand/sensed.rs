@@ -66,6 +66,8 @@ pub(crate) struct Sensed {
     pub gaps: Vec<OpenGap>,
     /// The floor; `None` where the walls have no outline.
     pub floor: Option<Floor>,
+    /// What looks like a wall and is a pane, by entity.
+    pub panes: BTreeMap<usize, RoleSense>,
     /// How sure it is.
     pub sure: Sureness,
     /// The ways into its rooms, where they are in question.
@@ -87,8 +89,8 @@ impl Sensed {
             let pieces = plan.walls[w].trace.segments();
             pieces.map(|(_, _, s)| ((s.b[0] - s.a[0]) as f64).hypot((s.b[1] - s.a[1]) as f64)).sum()
         };
-        let parts = in_windows(base);
-        let sense = |i: &usize| parts.get(i).copied().unwrap_or_else(|| of_entity(plan, *i, true));
+        let panes = in_windows(base);
+        let sense = |i: &usize| panes.get(i).copied().unwrap_or_else(|| of_entity(plan, *i, true));
         let walls = base.entities.iter().enumerate().map(|(w, i)| (sense(i), length(w)));
         let walls: Vec<(RoleSense, f64)> = walls.collect();
         let settled = Settled {
@@ -119,7 +121,7 @@ impl Sensed {
             rooms,
             whole: base.sure_of_whole,
         };
-        Self { gaps, floor, sure, ways, doubts }
+        Self { gaps, floor, panes, sure, ways, doubts }
     }
 
     /// Says what speaks against the ways into the rooms, where nothing else is less sure.

@@ -8,7 +8,8 @@ use crate::understand::understood::Understood;
 use enfilade_cad::drawing::{Format, Shape};
 use enfilade_cad::roles::{Role, role_by_name};
 use enfilade_plan::Plan;
-use enfilade_plan::axes::OpeningKind;
+use enfilade_plan::axes::{OpeningKind, PANE_COVER};
+
 use enfilade_plan::reading::RoleSense;
 
 /// What nothing names and is taken as a wall for its looks.
@@ -27,9 +28,6 @@ pub(crate) fn of_entity(plan: &Plan, entity: usize, is_picked: bool) -> RoleSens
 /// lines in 61 labelled drawings 65 are parts of windows or doors, 16 more are no walls either.
 const IN_WINDOW_SURE: f32 = 0.6;
 
-/// Share of a window that its panes and sills run along; what is shorter is a jamb.
-const ALONG_SHARE: f64 = 0.6;
-
 /// What draws walls of a DXF by its looks alone and runs through a window from jamb to jamb, by entity: it is a part of it.
 /// What a person or a name calls a wall is one.
 pub(crate) fn in_windows(base: &Understood) -> BTreeMap<usize, RoleSense> {
@@ -44,7 +42,7 @@ pub(crate) fn in_windows(base: &Understood) -> BTreeMap<usize, RoleSense> {
         for (w, _) in opening.faces.iter().filter(|(w, _)| !plan.reading.firm.contains(w)) {
             let wall = &plan.walls[*w as usize];
             let Shape::Line { a, b } = wall.shape else { continue };
-            let runs = (place(b) - place(a)).dot(along).abs() >= ALONG_SHARE * opening.width_m;
+            let runs = (place(b) - place(a)).dot(along).abs() >= PANE_COVER * opening.width_m;
             if runs && !is_named(&wall.source.layer) {
                 out.insert(base.entities[*w as usize], sense);
             }

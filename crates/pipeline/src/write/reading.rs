@@ -7,7 +7,7 @@ use glam::DVec2;
 use crate::measure::spacing;
 use crate::understand::rooms::{self, Room};
 use crate::understand::sensed::{OpenGap, Sensed, length, ways_into};
-use crate::understand::senses::{in_windows, of_entity};
+use crate::understand::senses::of_entity;
 use crate::understand::sureness::Sureness;
 use crate::understand::understood::Understood;
 use crate::write::asked;
@@ -53,7 +53,7 @@ pub(crate) fn reading(base: &Understood, drawing: &Drawing, (sensed, rooms): (&S
             }),
         },
         views: views(plan, drawing, &at),
-        entities: entities(plan, drawing, &in_windows(base)),
+        entities: entities(plan, drawing, &sensed.panes),
         walls: base.axes.edges.iter().map(|e| wall(base, drawing, e, &at)).collect(),
         openings: sensed.gaps.iter().map(|g| opening(base, drawing, g, &at)).collect(),
         rooms: room_readings(sensed, rooms, &at),
@@ -139,7 +139,7 @@ impl Tally {
     }
 }
 
-fn entities(plan: &Plan, drawing: &Drawing, in_windows: &BTreeMap<usize, RoleSense>) -> Vec<EntityReading> {
+fn entities(plan: &Plan, drawing: &Drawing, panes: &BTreeMap<usize, RoleSense>) -> Vec<EntityReading> {
     let is_dxf = drawing.format == Format::Dxf;
     let mut tallies: BTreeMap<usize, (Tally, Option<&Entity>)> = BTreeMap::new();
     let mut ordinal = 0;
@@ -147,7 +147,7 @@ fn entities(plan: &Plan, drawing: &Drawing, in_windows: &BTreeMap<usize, RoleSen
         let is_own = own_layers::is_own(&e.layer);
         let is_picked = !is_own && plan.picked.binary_search(&ordinal).is_ok();
         ordinal += usize::from(!is_own);
-        let sense = in_windows.get(&i).copied().unwrap_or_else(|| of_entity(plan, i, is_picked));
+        let sense = panes.get(&i).copied().unwrap_or_else(|| of_entity(plan, i, is_picked));
         let length = length(e);
         let record = if is_dxf { e.origin.record } else { e.source.record };
         let of_record = tallies.entry(record).or_default();

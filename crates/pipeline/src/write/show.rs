@@ -8,7 +8,7 @@ use crate::measure::worth::Worth;
 use crate::understand::building;
 use crate::understand::rooms::Room;
 use crate::understand::sensed::Sensed;
-use crate::understand::senses::{in_windows, of_entity};
+use crate::understand::senses::of_entity;
 use crate::understand::understood::Understood;
 use crate::write::maps::Map;
 use enfilade_cad::bearing;
@@ -182,8 +182,7 @@ fn kind_words(room: &Room) -> Option<String> {
 pub(crate) fn check_picture(base: &Understood, sensed: &Sensed, rooms: &[Room]) -> PlanPicture {
     let mut out = picture(base);
     out.floor = floor_shapes(base, sensed, rooms);
-    let parts = in_windows(base);
-    let is_pane = |w: usize| parts.contains_key(&base.entities[w]);
+    let is_pane = |w: usize| sensed.panes.contains_key(&base.entities[w]);
     let is_doubtful =
         |w: &usize| !is_pane(*w) && of_entity(&base.plan, base.entities[*w], true).confidence < SURE;
     let doubtful = (0..base.plan.walls.len()).filter(is_doubtful).map(|w| &base.plan.walls[w]);

@@ -9,7 +9,7 @@ use super::evidence::{Band, Evidence, ordered, trace};
 use super::near::Buckets;
 use super::spans::{self, Span};
 use super::swing::{LEAF_M, Swing};
-use super::{Drawn, Mark, OpeningKind, Path, Role, swings};
+use super::{Drawn, Mark, OpeningKind, Path, Role, doors_by_swing};
 use crate::sizes::{COLLINEAR_M, ERROR_GAP_M, JAMB_M, OPENING_MIN_M};
 
 /// Widest opening between two lines across a wall.
@@ -113,7 +113,7 @@ fn between_jambs(
 
 /// Where a swing closes onto a wall, or a window lies in one.
 fn at_marks(axes: &[Axis], evidence: &Evidence<'_>, near: &Buckets, gaps: &mut [Vec<Span>]) {
-    let meeting = swings::meeting(evidence.drawn);
+    let meeting = doors_by_swing::meeting(evidence.drawn);
     let mut doors: Vec<Vec<Side>> = vec![Vec::new(); axes.len()];
     for (m, mark) in evidence.drawn.marks.iter().enumerate() {
         for path in &mark.paths {

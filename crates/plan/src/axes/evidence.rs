@@ -12,7 +12,7 @@ use crate::sizes::{COLLINEAR_M, ERROR_GAP_M, FINISH_MAX_M, FRAME_M, PASSAGE_MAX_
 use enfilade_cad::plane::is_inside_ring;
 
 /// Share of the gap that a window line runs along.
-const PANE_COVER: f64 = 0.6;
+pub const PANE_COVER: f64 = 0.6;
 /// Shares of the gap that one of two or three sashes takes, and that they take together.
 const SASH_SHARE: [f64; 2] = [0.3, 0.7];
 /// See [`SASH_SHARE`].
@@ -86,7 +86,7 @@ impl<'a> Evidence<'a> {
             seen.panes |= band.has_pane(&path, ERROR_GAP_M) && !spare.is_cap;
             if is_swing || (!spare.is_cap && band.holds(&path)) {
                 // Of a run of lines those that lie in the gap as a whole: others go on along the wall.
-                let is_in = |f: &&u32| is_swing || band.encloses(&self.drawn.faces[**f as usize].path);
+                let is_in = |f: &&u32| is_swing || band.holds_whole(&self.drawn.faces[**f as usize].path);
                 seen.faces.extend(spare.faces.iter().filter(is_in));
             }
         }
@@ -189,7 +189,7 @@ impl Band {
     }
 
     /// The same of a piece that lies in the gap as a whole; a face of the wall may have its middle there too.
-    fn encloses(&self, path: &Path) -> bool {
+    fn holds_whole(&self, path: &Path) -> bool {
         let is_in = |s: f64| (self.gap[0] - FRAME_M..=self.gap[1] + FRAME_M).contains(&s);
         self.holds(path) && path.ends().iter().all(|e| is_in(self.carrier.s_of(*e)))
     }

@@ -18,6 +18,7 @@ mod cell;
 mod columns;
 mod curves;
 mod cuts;
+mod doors_by_swing;
 pub(super) mod evidence;
 mod joints;
 #[cfg(test)]
@@ -34,7 +35,6 @@ mod solids;
 mod spans;
 mod strips;
 pub mod swing;
-mod swings;
 #[cfg(test)]
 mod tests;
 
@@ -44,6 +44,7 @@ use crate::sizes::{ERROR_GAP_M, ZERO_M};
 use enfilade_cad::curve::{bulge_arc, sweep_rad};
 use enfilade_cad::drawing::Shape;
 use enfilade_report::counted;
+pub use evidence::PANE_COVER;
 
 /// A straight or round piece.
 #[derive(Clone, Copy, Debug, PartialEq)]

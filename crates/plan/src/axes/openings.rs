@@ -10,7 +10,7 @@ use super::evidence::{Evidence, ordered, trace};
 use super::joints::{FreeEnd, Joined};
 use super::near::Buckets;
 use super::spans::{self, Span};
-use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind, Path, Shown, shell, swings};
+use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind, Path, Shown, doors_by_swing, shell};
 use crate::sizes::{
     CAVITY_MAX_M, COLLINEAR_M, CROSSING_MIN_RAD, ERROR_GAP_M, FINISH_MAX_M, OPENING_MAX_M, OPENING_MIN_M,
     PASSAGE_MAX_M, SIDE_OPENING_MAX_M, SQUARE_SIN, THICKNESS_MAX_M, THICKNESS_MIN_M, THICKNESS_USUAL_M,
@@ -55,7 +55,7 @@ pub fn find(drawn: &Drawn, all: &Axes, joined: &Joined, out: &mut AxisGraph) {
         }
         found.extend(scene.opening(f, to));
     }
-    found.extend(swings::find(&scene.evidence, out, &found));
+    found.extend(doors_by_swing::find(&scene.evidence, out, &found));
     found.sort_by(|a, b| a.centre.x.total_cmp(&b.centre.x).then(a.centre.y.total_cmp(&b.centre.y)));
     tell_second_leaves(&mut found);
     shell::tell_sliding_doors(drawn, &mut found);

@@ -16,6 +16,7 @@ pub mod unit;
 
 use std::collections::BTreeSet;
 
+use crate::views::BOX_RIGHT;
 pub(super) use classify::Names;
 use corrections::{Finding, Said};
 use enfilade_cad::drawing::{Drawing, Format, Unit};
@@ -33,9 +34,6 @@ pub struct RoleSense {
 
 /// How sure an outline of a room is a wall: below [`questions::WALLS_SURE`], so that it is asked. Two drawings only.
 const OUTLINE_SURE: f32 = 0.4;
-
-/// How sure it is that what lies in a section or a legend is none of the plan's: as the box of a drawing is right.
-const BESIDE_SURE: f32 = 0.91;
 
 /// How sure the unit is, and why.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -103,11 +101,12 @@ impl Reading {
         self
     }
 
-    /// Without what is drawn beside the plans of a sheet: a section cuts no wall of theirs.
+    /// Without what is drawn beside the plans of a sheet: a section cuts no wall of theirs. That is as sure as the boxes of
+    /// drawings are right.
     #[must_use]
     pub(super) fn without_beside(mut self, is_beside: &[bool]) -> Self {
         let senses = self.senses.iter_mut().zip(is_beside).filter(|(_, is_beside)| **is_beside);
-        senses.for_each(|(s, _)| *s = RoleSense { role: Role::Unknown, confidence: BESIDE_SURE });
+        senses.for_each(|(s, _)| *s = RoleSense { role: Role::Unknown, confidence: BOX_RIGHT as f32 });
         self
     }
 

@@ -68,16 +68,6 @@ impl<'d> Decision<'d> {
         let layers = chosen.layers;
         Ok(Self { drawing, picked, extent, unit, reading, views, unused_marks, layers })
     }
-
-    /// The walls, in the order of [`Self::picked`].
-    pub fn walls(&self) -> Vec<&Entity> {
-        self.picked.iter().map(|i| &self.drawing.entities[*i]).collect()
-    }
-
-    /// The longer side of the walls' box, drawing units.
-    pub fn longer(&self) -> f64 {
-        (self.extent[1] - self.extent[0]).max_element()
-    }
 }
 
 /// What a drawing was taken for, with its unit.

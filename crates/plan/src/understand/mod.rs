@@ -20,30 +20,25 @@ use enfilade_report::{Error, Place, Report};
 /// [`Error::Input`] when no layer carries walls (the message lists the layers there are), or their lines cross too often;
 /// [`Error::Usage`] for a layer pattern that cannot be read, or a view that is not there.
 pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report) -> Result<Plan, Error> {
-    let decision = Decision::new(drawing, options, report)?;
-    let as_drawn = options.corrections.as_drawn;
-    let (drawing, unit) = (&*decision.drawing, &decision.unit);
-    let entities = decision.walls();
-    let frame = Frame::new(unit.unit.metres, decision.extent);
+    let Decision { drawing, picked, extent, unit, reading, views, unused_marks, layers } =
+        Decision::new(drawing, options, report)?;
+    let (drawing, as_drawn) = (&*drawing, options.corrections.as_drawn);
+    let entities: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
+    let longer = (extent[1] - extent[0]).max_element();
+    let frame = Frame::new(unit.unit.metres, extent);
     let human_scale = match as_drawn {
         true => 1.0,
-        false => units::person_scale(drawing, &entities, decision.longer(), unit.unit),
+        false => units::person_scale(drawing, &entities, longer, unit.unit),
     };
-    state_unit(drawing, unit, decision.longer() * unit.unit.metres, human_scale, report);
-    let mut markers = markers::read(drawing, options, &decision.unused_marks, &frame, report);
-    markers.asked = asked::read(drawing, &decision.unused_marks, &frame);
+    state_unit(drawing, &unit, longer * unit.unit.metres, human_scale, report);
+    let mut markers = markers::read(drawing, options, &unused_marks, &frame, report);
+    markers.asked = asked::read(drawing, &unused_marks, &frame);
     markers.allowed.extend(allowed::stated(drawing, unit.unit.metres, report));
-    let is_wall = |i: usize| decision.picked.binary_search(&i).is_ok();
+    let is_wall = |i: usize| picked.binary_search(&i).is_ok();
     let (mut obstacles, outdoors) = match as_drawn {
         true => Default::default(),
         false => (
-            obstacles::find(
-                drawing,
-                &decision.reading,
-                &decision.picked,
-                unit.unit.metres / human_scale,
-                &frame,
-            ),
+            obstacles::find(drawing, &reading, &picked, unit.unit.metres / human_scale, &frame),
             outdoors::find(drawing, is_wall, &frame, human_scale),
         ),
     };
@@ -59,22 +54,22 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         wide::mark(&mut walls, &entities, drawing, (&frame, human_scale), report);
     }
     let scale = decided::Scale { frame: &frame, human_scale };
-    let works = decided::demolish(&mut walls, drawing, &decision.unused_marks, scale, report);
+    let works = decided::demolish(&mut walls, drawing, &unused_marks, scale, report);
     let slots = slots::of(drawing, &walls, &frame);
-    decision.reading.findings.iter().for_each(|f| f.tell(&drawing.file, report));
+    reading.findings.iter().for_each(|f| f.tell(&drawing.file, report));
     let mut bearing = drawing.structure();
     bearing.retain(|record, _| records.contains(record));
     let mut plan = Plan {
         file: drawing.file.clone(),
         format: drawing.format,
         version: drawing.version.clone(),
-        unit: decision.unit.clone(),
+        unit,
         frame,
         walls,
-        picked: choice::ordinals(drawing, &decision.picked),
+        picked: choice::ordinals(drawing, &picked),
         markers,
-        layers: decision.layers.clone(),
-        views: decision.views.clone(),
+        layers,
+        views,
         human_scale,
         plugs: plugs(drawing, &works, &slots, &frame),
         doors: doors(drawing, &works, &slots, &frame),
@@ -82,12 +77,12 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         bearing,
         obstacles,
         outdoors,
-        senses: decision.reading.kept(drawing),
-        reading: decision.reading.clone(),
+        senses: reading.kept(drawing),
+        reading,
         north_deg: drawing.north_deg,
         decided: works,
     };
-    decided::build(&mut plan, drawing, &decision.unused_marks, report);
+    decided::build(&mut plan, drawing, &unused_marks, report);
     Ok(plan)
 }
 
