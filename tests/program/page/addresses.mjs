@@ -3,7 +3,7 @@
 import assert from "node:assert";
 import { execFileSync, spawn } from "node:child_process";
 import { createServer } from "node:http";
-import { launch } from "./browser.mjs";
+import { launch, PATIENCE } from "./browser.mjs";
 
 const [link, told] = process.argv.slice(2);
 const daemon = JSON.parse(told);
@@ -17,7 +17,7 @@ self.addEventListener("fetch", (e) => e.respondWith(
   new Response(${JSON.stringify(PAGE)}, { headers: { "content-type": "text/html" } })));`;
 const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 const live = (page) =>
-  page.waitForFunction(() => document.getElementById("link")?.textContent === "live", { timeout: 900000, polling: 200 });
+  page.waitForFunction(() => document.getElementById("link")?.textContent === "live", { timeout: PATIENCE, polling: 200 });
 let second = null;
 const squat = createServer((asked, answer) => {
   const [kind, text] = asked.url === "/worker.js" ? ["text/javascript", WORKER] : ["text/html", PAGE];
@@ -32,7 +32,7 @@ async function until(what) {
 }
 const fault = await (async () => {
   const page = await browser.newPage();
-  page.setDefaultTimeout(900000);
+  page.setDefaultTimeout(PATIENCE);
   await page.goto(link);
   await live(page);
   await page.goto("about:blank");

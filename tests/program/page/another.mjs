@@ -1,7 +1,7 @@
 // Another drawing goes while one is looked at: the list changes, and nothing else.
 import assert from "node:assert";
 import { rmSync } from "node:fs";
-import { launch } from "./browser.mjs";
+import { launch, PATIENCE } from "./browser.mjs";
 
 const [link, drawing] = process.argv.slice(2);
 const browser = await launch();
@@ -9,7 +9,7 @@ const faults = [];
 try {
   const page = await browser.newPage();
   page.on("pageerror", (e) => faults.push(`script: ${e.message}`));
-  page.setDefaultTimeout(900000);
+  page.setDefaultTimeout(PATIENCE);
   await page.goto(link);
   const rowOf = (name) => page.waitForFunction((n) => [...document.querySelectorAll("#drawings a")].find((a) => a.textContent.startsWith(n)), {}, name);
   const names = () => page.$$eval("#drawings a", (as) => as.map((a) => a.firstChild.textContent));

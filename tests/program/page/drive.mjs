@@ -2,7 +2,7 @@
 import assert from "node:assert";
 import { spawn } from "node:child_process";
 import { createRequire } from "node:module";
-import { launch } from "./browser.mjs";
+import { launch, PATIENCE } from "./browser.mjs";
 
 const axe = createRequire(process.env.NODE_PATH + "/").resolve("axe-core/axe.min.js");
 const link = process.argv[2];
@@ -16,7 +16,7 @@ const browser = await launch();
 const faults = [];
 const page = await browser.newPage();
 // Jobs stand back for whatever else the machine does: how long one takes says nothing here.
-page.setDefaultTimeout(900000);
+page.setDefaultTimeout(PATIENCE);
 page.on("pageerror", (e) => faults.push(`script: ${e.message}`));
 let isGone = false;
 page.on("console", (m) => {
@@ -314,7 +314,9 @@ try {
   await stranger.waitForFunction(() => document.getElementById("link").textContent.includes("enfilade open"));
   assert.equal(await stranger.$$eval("#drawings a", (as) => as.length), 0);
 } catch (e) {
-  faults.push(e.stack ?? String(e), await page.$eval("body", (b) => b.innerText.slice(0, 1500)).catch(() => ""));
+  // What was shown comes first: of a long report the end is kept.
+  faults.unshift(await page.$eval("body", (b) => b.innerText.slice(0, 1500)).catch(() => ""));
+  faults.push(e.stack ?? String(e));
 } finally {
   second?.kill("SIGKILL");
   await browser.close();

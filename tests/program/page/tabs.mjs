@@ -3,7 +3,7 @@
 import assert from "node:assert";
 import { spawn } from "node:child_process";
 import { copyFileSync } from "node:fs";
-import { launch } from "./browser.mjs";
+import { launch, PATIENCE } from "./browser.mjs";
 
 const [link, told] = process.argv.slice(2);
 const daemon = JSON.parse(told);
@@ -13,9 +13,9 @@ let second = null;
 const TABS = 10;
 // Tabs in the background draw nothing: they are looked at by the clock.
 const live = (page) =>
-  page.waitForFunction(() => document.getElementById("link").textContent === "live", { timeout: 900000, polling: 200 });
+  page.waitForFunction(() => document.getElementById("link").textContent === "live", { timeout: PATIENCE, polling: 200 });
 const lists = (page, count) =>
-  page.waitForFunction((n) => document.querySelectorAll("#drawings a").length === n, { timeout: 900000, polling: 200 }, count);
+  page.waitForFunction((n) => document.querySelectorAll("#drawings a").length === n, { timeout: PATIENCE, polling: 200 }, count);
 try {
   const first = await browser.newPage();
   await first.goto(link);

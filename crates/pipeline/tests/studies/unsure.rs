@@ -63,6 +63,23 @@ fn rooms_have_their_names_and_their_areas_on_the_drawn_lines() {
     assert_eq!(outcome.result.schema, "enfilade.check/2");
 }
 
+/// The samples state their units, or leave no doubt.
+#[test]
+fn samples_ask_nothing() {
+    let files = std::fs::read_dir(enfilade_fixtures::repository("samples")).unwrap();
+    let paths = files.map(|f| f.unwrap().path());
+    let drawings: Vec<_> =
+        paths.filter(|p| p.extension().is_some_and(|e| e != "md" && e != "enfilade")).collect();
+    assert!(drawings.len() > 15, "{drawings:?}");
+    for path in drawings {
+        let bytes = std::fs::read(&path).unwrap();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let outcome = enfilade_pipeline::check(&Input::new(name, &bytes, 1), &settings(None)).unwrap();
+        let reading = outcome.result.reading.unwrap();
+        assert_eq!(reading.questions, [], "{name}");
+    }
+}
+
 #[test]
 fn floor_left_out_is_asked_for_and_nothing_is_optimised_until_it_is_answered() {
     let text = hall_and_porch(5.2);

@@ -9,6 +9,7 @@ use crate::Plan;
 use crate::axes::{AxisGraph, OpeningKind};
 use crate::floor::Floor;
 use crate::kinds::{RoomKind, RoomKindFound};
+use crate::sizes::ROOMS_MIN_M;
 use enfilade_cad::drawing::Unit;
 use enfilade_cad::units::UNITS;
 
@@ -27,8 +28,8 @@ const QUESTIONS_MAX: usize = 2;
 /// Most answers to a question.
 const ANSWERS_MAX: usize = 4;
 
-/// Sizes of plans that make a unit an answer where no rival is known, metres.
-const SIZE_M: [f64; 2] = [3.0, 1_000.0];
+/// Plans up to this size make a unit an answer where no rival is known, metres.
+const SIZE_MAX_M: f64 = 1_000.0;
 
 /// What shows how long a unit is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -226,7 +227,7 @@ fn unit(plan: &Plan, axes: &AxisGraph) -> Option<Doubt> {
     units.extend(sense.runner_up.map(|r| r.0));
     if units.len() < 2 {
         let fits =
-            |u: &Unit| u.metres != taken.metres && (SIZE_M[0]..=SIZE_M[1]).contains(&(size * u.metres));
+            |u: &Unit| u.metres != taken.metres && (ROOMS_MIN_M..=SIZE_MAX_M).contains(&(size * u.metres));
         units.extend(UNITS.into_iter().filter(fits));
     }
     units.truncate(ANSWERS_MAX);
