@@ -45,6 +45,7 @@ mod stamp;
 mod step_text;
 pub mod storey_words;
 mod storeys;
+pub mod things;
 pub mod units;
 pub mod wish;
 

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use super::names::{base_name, is_joined, is_word, words};
+use super::things::ThingKind;
 
 /// What the entities of a layer stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -159,9 +160,8 @@ const WORDS: &[(Role, &str)] = &[
     ),
     (
         Role::Furniture,
-        "furn furniture furnitures furnishing equipment eqpm fixture fixtures flor plumbing plfx lvtry casework case \
-         shelves shelf couch benches table tables möbel moebel moebel möblierung mobilier meubles mobiliario muebles \
-         mobili arredo arredi mobília mobilia meubilair inredning møbler kalusteet meble nábytek mobilya мебель 家具 什器 洁具 厨具 设备 設備 衛生 가구 위생기구",
+        "furn furniture furnitures furnishing equipment eqpm flor lvtry casework case benches möbel moebel möblierung mobilier meubles mobiliario muebles \
+         mobili arredo arredi mobília mobilia meubilair inredning møbler kalusteet meble nábytek mobilya мебель 家具 什器 厨具 设备 設備 가구",
     ),
     (
         Role::Site,
@@ -287,6 +287,9 @@ pub fn role_by_name(layer: &str) -> (Role, String) {
             return (Role::LowWall, format!("its name has the words {word:?} and {low:?} (low walls)"));
         }
         return (role, format!("its name has the word {word:?} ({})", role.words()));
+    }
+    if let Some((_, said)) = ThingKind::of_layer(name) {
+        return (Role::Furniture, format!("its name has the word {said:?} ({})", Role::Furniture.words()));
     }
     match by_code(name) {
         Some((role, code)) => (role, format!("its name has the element code {code} ({})", role.words())),

@@ -14,11 +14,12 @@ use crate::understand::sensed::Sensed;
 use crate::understand::understood;
 use crate::understand::understood::Understood;
 use enfilade_cad::drawing::Format;
+use enfilade_cad::things::ThingKind;
 use enfilade_cad::{Opened, StoreyInfo};
 use enfilade_config::{Partial, Settings};
 use enfilade_engine::geometry::PointUm;
 use enfilade_overlay::result::OverStairs;
-use enfilade_plan::kinds::{RoomKind, ThingKind};
+use enfilade_plan::kinds::RoomKind;
 use enfilade_report::{Error, Place, Report, counted};
 
 /// Most storeys that are joined; of more the nearest ones. Every lattice is laid on each of them.

@@ -8,7 +8,8 @@ use glam::DVec2;
 
 use super::super::axes::OpeningKind;
 use super::super::floor::{Area, Beside};
-use super::{Evidence, RoomKind, RoomKindFound, RoomsKnown, ThingKind};
+use super::{Evidence, RoomKind, RoomKindFound, RoomsKnown};
+use enfilade_cad::things::ThingKind;
 
 /// What a room shows.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -13,7 +13,8 @@ use std::str::FromStr;
 
 use super::axes::OpeningKind;
 use super::floor::{Area, Beside};
-pub use things::{Thing, ThingKind, find as find_things, furniture};
+use enfilade_cad::things::ThingKind;
+pub use things::{Thing, find as find_things, furniture};
 pub use words::{NameFound, dwelling_of_name, kind_of_name};
 
 /// What a room is for.
