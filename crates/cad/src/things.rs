@@ -205,17 +205,24 @@ static PATTERNS: LazyLock<Vec<Pattern>> = LazyLock::new(|| {
     WORDS.iter().flat_map(of).collect()
 });
 
-/// Patterns by their first word where that is a whole one; and those that begin with a part of a word.
-static BY_FIRST: LazyLock<(HashMap<&str, Vec<usize>>, Vec<usize>)> = LazyLock::new(|| {
-    let mut whole: HashMap<&str, Vec<usize>> = HashMap::new();
-    let mut parts = Vec::new();
+/// Where patterns are found, by their numbers.
+#[derive(Default)]
+struct Index {
+    /// By their first word, where that is a whole one.
+    by_first: HashMap<&'static str, Vec<usize>>,
+    /// Those that begin with a part of a word.
+    parts: Vec<usize>,
+}
+
+static INDEX: LazyLock<Index> = LazyLock::new(|| {
+    let mut index = Index::default();
     for (i, (_, _, pattern)) in PATTERNS.iter().enumerate() {
         match pattern.first() {
-            Some((Fit::Whole, word)) => whole.entry(word).or_default().push(i),
-            _ => parts.push(i),
+            Some((Fit::Whole, word)) => index.by_first.entry(word).or_default().push(i),
+            _ => index.parts.push(i),
         }
     }
-    (whole, parts)
+    index
 });
 
 /// The patterns that fit a name, in the order of their say. A hundred thousand names are no trouble.
@@ -231,9 +238,8 @@ fn fitting(name: &str) -> impl Iterator<Item = (&'static str, ThingKind)> {
         let pattern = &PATTERNS[*i].2;
         words.windows(pattern.len()).any(|w| w.iter().zip(pattern).all(|(w, p)| fits(w, p)))
     };
-    let (whole, parts) = &*BY_FIRST;
-    let by_word = words.iter().filter_map(|w| whole.get(w.as_str())).flatten();
-    let mut found: Vec<usize> = by_word.chain(parts).copied().filter(is_here).collect();
+    let by_word = words.iter().filter_map(|w| INDEX.by_first.get(w.as_str())).flatten();
+    let mut found: Vec<usize> = by_word.chain(&INDEX.parts).copied().filter(is_here).collect();
     found.sort_unstable();
     found.into_iter().map(|i| (PATTERNS[i].1, PATTERNS[i].0))
 }
