@@ -116,22 +116,50 @@ impl Pieces {
         })
     }
 
-    /// Where a leaf closes: at the other jamb of the gap that begins at its hinge.
+    /// Where a leaf closes: at the other jamb of the gap that begins at its hinge, or halfway there, where its twin meets it.
     fn tip(&self, hinge: DVec2, end: DVec2, own: usize) -> Option<DVec2> {
         let length = hinge.distance(end);
         let jambs = self.walls(hinge - BEHIND_M, hinge + BEHIND_M, own);
         let jambs = jambs.filter_map(|s| FaceEnd::at(s, hinge));
-        jambs.into_iter().find_map(|FaceEnd { out, near }| {
-            let open = out.angle_to(end - hinge).abs();
-            let at = hinge + out * length;
-            let mut faces = self.walls(at - BEHIND_M, at + BEHIND_M, own).filter_map(|s| FaceEnd::at(s, at));
-            let goes_on = faces.any(|other| {
-                let is_in_line = out.perp_dot(other.near - near).abs() <= ERROR_GAP_M;
-                other.out.dot(out) < -ALONG_COS && is_in_line
-            });
-            let is_leaf = (OPEN_RAD[0]..=OPEN_RAD[1]).contains(&open) && goes_on;
-            (is_leaf && self.is_clear(hinge + out * FINISH_MAX_M, at - out * FINISH_MAX_M, own)).then_some(at)
+        jambs.into_iter().find_map(|jamb| {
+            let open = jamb.out.angle_to(end - hinge);
+            if !(OPEN_RAD[0]..=OPEN_RAD[1]).contains(&open.abs()) {
+                return None;
+            }
+            let [at, far] = [1.0, 2.0].map(|leaves| hinge + jamb.out * length * leaves);
+            let is_one = self.goes_on(&jamb, at, own) && self.is_clear_between(hinge, at, own);
+            let is_of_two = || {
+                self.goes_on(&jamb, far, own)
+                    && self.is_clear_between(hinge, at, own)
+                    && self.has_leaf(far, far + DVec2::from_angle(PI - 2.0 * open).rotate(end - hinge), own)
+            };
+            (is_one || is_of_two()).then_some(at)
         })
+    }
+
+    /// Whether a face goes on at a place, in line with where it ends.
+    fn goes_on(&self, jamb: &FaceEnd, at: DVec2, own: usize) -> bool {
+        let FaceEnd { out, near } = *jamb;
+        let mut faces = self.walls(at - BEHIND_M, at + BEHIND_M, own).filter_map(|s| FaceEnd::at(s, at));
+        faces.any(|other| {
+            let is_in_line = out.perp_dot(other.near - near).abs() <= ERROR_GAP_M;
+            other.out.dot(out) < -ALONG_COS && is_in_line
+        })
+    }
+
+    /// Whether something straight runs from a hinge to where a leaf's end would be: the twin of a leaf, in a mirror.
+    fn has_leaf(&self, hinge: DVec2, end: DVec2, own: usize) -> bool {
+        let is_at = |a: DVec2, b: DVec2| a.distance(hinge) <= JAMB_M && b.distance(end) <= JAMB_M;
+        self.others(hinge - JAMB_M, hinge + JAMB_M, own).any(|p| {
+            let [a, b] = p.ends;
+            is_at(a, b) || is_at(b, a)
+        })
+    }
+
+    /// Whether no wall crosses the way between two jambs.
+    fn is_clear_between(&self, hinge: DVec2, at: DVec2, own: usize) -> bool {
+        let frame = (at - hinge).normalize() * FINISH_MAX_M;
+        self.is_clear(hinge + frame, at - frame, own)
     }
 
     fn is_clear(&self, a: DVec2, b: DVec2, own: usize) -> bool {
@@ -328,5 +356,29 @@ mod tests {
         // Its swing as a chord, to the jamb and to no place.
         assert_eq!(closes(&[leaf], &[[2.0, 1.0, 2.9, 0.1]]), Some([20, 90]));
         assert_eq!(closes(&[leaf], &[[2.0, 1.0, 2.5, 0.1]]), None);
+    }
+
+    #[test]
+    fn two_leaves_meet_in_the_middle_of_a_gap() {
+        let piece = |[x0, y0, x1, y1]: [f64; 4], thing: usize| Piece {
+            ends: [DVec2::new(x0, y0), DVec2::new(x1, y1)],
+            thing,
+            is_wall: thing == 0,
+        };
+        let wall = [[0.0, 0.0, 2.0, 0.0], [3.6, 0.0, 6.0, 0.0], [0.0, 0.1, 2.0, 0.1], [3.6, 0.1, 6.0, 0.1]];
+        let leaves = [[2.0, 0.1, 2.4, 0.1 + 0.48_f64.sqrt()], [3.6, 0.1, 3.2, 0.1 + 0.48_f64.sqrt()]];
+        let leaning = [3.6, 0.1, 3.6, 0.9];
+        let closes = |twin: Option<[f64; 4]>| {
+            let all = wall.iter().map(|w| piece(*w, 0)).chain([piece(leaves[0], 8)]);
+            let pieces = Pieces::new(all.chain(twin.map(|t| piece(t, 9))));
+            let [a, b] = piece(leaves[0], 8).ends;
+            let Path::Arc { radius, sweep_rad, .. } = pieces.swing(&[Path::Line { a, b }], 8)? else {
+                return None;
+            };
+            Some([(radius * 10.0).round() as i64, sweep_rad.to_degrees().round() as i64])
+        };
+        assert_eq!(closes(Some(leaves[1])), Some([8, 60]));
+        assert_eq!(closes(Some(leaning)), None);
+        assert_eq!(closes(None), None);
     }
 }

@@ -1,7 +1,7 @@
 //! What stands in a room and is no wall: stairs, sanitary objects, crosses over lifts, counters, machines, and the
 //! parts of doors. A wall that slides must not run into them.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
@@ -13,11 +13,48 @@ use super::paving;
 use super::reading::Reading;
 use crate::sizes::ERROR_GAP_M;
 use enfilade_cad::drawing::{Drawing, Entity, Format, Shape};
+use enfilade_cad::names::words;
 use enfilade_cad::own_layers;
 use enfilade_cad::plane::box_of;
 use enfilade_cad::roles::Role;
-use enfilade_cad::things::ThingKind;
 use enfilade_engine::geometry::Segment;
+
+/// Words of layers and blocks of sanitary objects, lower case.
+const SANITARY: &[&str] = &[
+    "fixture",
+    "fixtures",
+    "plumbing",
+    "plfx",
+    "sanitary",
+    "sanitaryware",
+    "sanitär",
+    "sanitaer",
+    "sanitari",
+    "sanitarios",
+    "sanitaire",
+    "sanitaires",
+    "sanitair",
+    "wc",
+    "toilet",
+    "lavabo",
+    "lavatory",
+    "basin",
+    "bidet",
+    "bath",
+    "bathtub",
+    "shower",
+    "dusche",
+    "douche",
+    "ducha",
+    "doccia",
+    "inodoro",
+    "waschbecken",
+    "waschtisch",
+    "badewanne",
+    "sink",
+    "urinal",
+    "衛生",
+];
 
 /// Most lines among which joints of a floor and crosses are looked for.
 const LINES_MAX: usize = 20_000;
@@ -94,12 +131,11 @@ pub(super) fn find(
     let mut found: BTreeSet<usize> = BTreeSet::new();
     let mut lines: Vec<Straight> = Vec::new();
     let mut others: Vec<(usize, ObstacleKind)> = Vec::new();
-    let mut sanitary = HashMap::new();
     for (i, e) in drawing.entities.iter().enumerate() {
         if is_wall.contains(&i) || own_layers::is_own(&e.layer) || hidden.entity(e) {
             continue;
         }
-        match said(e, reading.role(i), &mut sanitary) {
+        match said(e, reading.role(i)) {
             Said::Fixed => drop(found.insert(i)),
             Said::Other => {}
             Said::Door => others.push((i, ObstacleKind::Door)),
@@ -201,9 +237,9 @@ enum Said {
     Nothing,
 }
 
-fn said<'d>(e: &'d Entity, role: Role, sanitary: &mut HashMap<&'d str, bool>) -> Said {
+fn said(e: &Entity, role: Role) -> Said {
     let mut names = e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]);
-    if names.any(|name| *sanitary.entry(name).or_insert_with(|| ThingKind::names_sanitary(name))) {
+    if names.any(|n| words(n).iter().any(|w| SANITARY.contains(&w.as_str()))) {
         return Said::Fixed;
     }
     match role {

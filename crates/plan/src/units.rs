@@ -66,7 +66,8 @@ fn is_in(value: f64, range: [f64; 2]) -> bool {
 /// sure that is.
 pub fn choose(drawing: &Drawing, user: Option<Unit>, walls: &[&Entity]) -> (UnitChoice, UnitSense) {
     let said = &drawing.declared_unit_words;
-    let sure = |code: &'static str| UnitSense { confidence: 1.0, reasons: vec![code], runner_up: None };
+    let sure =
+        |code: &'static str| UnitSense { confidence: 1.0, reasons: vec![code], ..UnitSense::default() };
     if let Some(unit) = user {
         let what = match unit.name {
             "units" => format!("one drawing unit is {} m", unit.metres),

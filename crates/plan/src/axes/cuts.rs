@@ -130,12 +130,11 @@ fn at_marks(axes: &[Axis], evidence: &Evidence<'_>, near: &Buckets, gaps: &mut [
                     gaps[*a as usize].push(as_wide_as_leaf(&axes[*a as usize], evidence, &swing, *gap));
                 }
             }
-            // What lies in one leaf of a wall opens the one beside it too.
-            let is_in_wall = around.iter().any(|b| lies_in(&axes[*b as usize], mark));
             for a in &around {
                 let axis = &axes[*a as usize];
-                let pane = pane_gap(axis, mark, path).filter(|g| is_in_wall && is_within(*g, axis.span));
-                gaps[*a as usize].extend(pane);
+                if let Some(gap) = pane_gap(axis, mark, path).filter(|g| is_within(*g, axis.span)) {
+                    gaps[*a as usize].push(gap);
+                }
                 doors[*a as usize]
                     .extend(door_side(axis, mark, path).filter(|d| is_within(d.gap, axis.span)));
             }
@@ -235,14 +234,4 @@ fn pane_gap(axis: &Axis, mark: &Mark, path: &Path) -> Option<Span> {
     }
     let gap = axis.carrier.span_of(&carrier, span);
     (spans::length(gap) > 0.95 * path.length_m()).then_some(gap)
-}
-
-/// Whether something lies in a wall or on its face, and not beside it: rails, panels and radiators do.
-fn lies_in(axis: &Axis, mark: &Mark) -> bool {
-    let half = axis.thickness / 2.0;
-    let offsets = mark.paths.iter().flat_map(trace).map(|at| axis.carrier.offset_of(at));
-    let [lo, hi] = offsets.fold([f64::MAX, f64::MIN], |[lo, hi], o| [lo.min(o), hi.max(o)]);
-    let is_beyond = lo < -half - ERROR_GAP_M || hi > half + ERROR_GAP_M;
-    let enters = lo < half - ERROR_GAP_M.min(half / 2.0) && hi > -half + ERROR_GAP_M.min(half / 2.0);
-    enters || !is_beyond
 }

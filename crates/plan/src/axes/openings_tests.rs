@@ -149,18 +149,3 @@ fn sashes_between_rooms_are_a_sliding_door() {
         assert_eq!(at.map(|o| o.kind), Some(expected), "{panes:?} {both}");
     }
 }
-
-/// Glass that stands along a wall without a gap is a railing or a panel; in the wall, or as a line on its face, a window.
-#[test]
-fn glass_beside_a_wall_does_not_open_it() {
-    let window = |boxed: [f64; 4]| {
-        let mut drawn = outlines(&[[0.0, 0.0, 6.0, 0.2]]);
-        drawn.marks.push(of_lines(&sides(boxed), Role::Window));
-        kinds(&AxisGraph::new(&drawn))
-    };
-    assert_eq!(window([2.0, 0.2, 3.0, 0.25]), []);
-    assert_eq!(window([2.0, 0.05, 3.0, 0.15]), [(OpeningKind::Window, 100.0)]);
-    let mut on_face = outlines(&[[0.0, 0.0, 6.0, 0.2]]);
-    on_face.marks.push(mark(line([2.0, 0.2, 3.0, 0.2]), Role::Window));
-    assert_eq!(kinds(&AxisGraph::new(&on_face)), [(OpeningKind::Window, 100.0)]);
-}

@@ -45,6 +45,8 @@ pub struct UnitSense {
     pub reasons: Vec<&'static str>,
     /// The next best unit and how likely it is.
     pub runner_up: Option<(Unit, f64)>,
+    /// Whether doors are drawn that speak for the next best.
+    pub doors_disagree: bool,
 }
 
 /// What a drawing is taken for. See the module page.

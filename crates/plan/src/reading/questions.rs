@@ -223,8 +223,14 @@ fn unit(plan: &Plan, axes: &AxisGraph) -> Option<Doubt> {
         (None, Some(thickness)) => (Witness::Wall, thickness * from_person),
         (None, None) => (Witness::Plan, size),
     };
+    let rival = sense.runner_up.map(|r| r.0);
+    // In which the whole plan is smaller than a room, no door fits, and which the file does not state, nobody drew it.
+    let is_too_small = rival.is_some_and(|u| size * u.metres < ROOMS_MIN_M) && !sense.doors_disagree;
+    if !plan.unit.is_assumed && is_too_small {
+        return None;
+    }
     let mut units = vec![taken];
-    units.extend(sense.runner_up.map(|r| r.0));
+    units.extend(rival);
     if units.len() < 2 {
         let fits =
             |u: &Unit| u.metres != taken.metres && (ROOMS_MIN_M..=SIZE_MAX_M).contains(&(size * u.metres));
@@ -333,6 +339,24 @@ mod tests {
     #[test]
     fn what_is_sure_is_not_asked() {
         assert_eq!(asked(&plan(), [0.9; 4], None, Settled::default()), []);
+    }
+
+    /// A plan of 10 m whose file states metres is 0.1 m long in centimetres.
+    #[test]
+    fn a_rival_smaller_than_a_room_is_asked_about_where_doors_speak_for_it() {
+        let mut plan = plan();
+        plan.reading.unit.confidence = UNIT_SURE - 0.1;
+        let mut is_asked = |rival: &str, doors_disagree: bool, is_assumed: bool| {
+            let rival = enfilade_cad::units::unit_by_name(rival).unwrap();
+            (plan.reading.unit.runner_up, plan.reading.unit.doors_disagree) =
+                (Some((rival, 0.1)), doors_disagree);
+            plan.unit.is_assumed = is_assumed;
+            !asked(&plan, [1.0; 4], None, Settled::default()).is_empty()
+        };
+        assert!(!is_asked("cm", false, false));
+        assert!(is_asked("cm", true, false));
+        assert!(is_asked("cm", false, true));
+        assert!(is_asked("ft", false, false));
     }
 
     #[test]

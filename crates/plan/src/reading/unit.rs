@@ -8,7 +8,6 @@ use super::UnitSense;
 use super::clues::{Clues, Gap, Stated};
 use super::lengths::Length;
 use crate::frame::{SMALL_PLAN_M, scales};
-use crate::sizes::ROOMS_MIN_M;
 use enfilade_cad::drawing::Unit;
 use enfilade_cad::units::UNITS;
 
@@ -130,6 +129,7 @@ pub fn sense(weighed: &[Weighed]) -> UnitSense {
         confidence: first.probability,
         reasons: apart.into_iter().filter(|(by, _)| *by > REASON_MIN).map(|(_, code)| code).collect(),
         runner_up: Some((second.unit, second.probability)),
+        doors_disagree: doors_of(second) > 0.0,
     }
 }
 
@@ -137,7 +137,13 @@ pub fn sense(weighed: &[Weighed]) -> UnitSense {
 pub fn sense_of(weighed: &[Weighed], taken: Unit) -> UnitSense {
     let confidence = weighed.iter().find(|w| w.unit == taken).map_or(0.0, |w| w.probability);
     let runner_up = weighed.first().map(|w| (w.unit, w.probability));
-    UnitSense { confidence, reasons: vec![CODES[0]], runner_up }
+    let doors_disagree = weighed.first().is_some_and(|w| doors_of(w) > 0.0);
+    UnitSense { confidence, reasons: vec![CODES[0]], runner_up, doors_disagree }
+}
+
+/// How much doors speak for a unit: a logarithm, 0 where none is drawn.
+fn doors_of(weighed: &Weighed) -> f64 {
+    CODES.iter().zip(weighed.terms).find(|(code, _)| **code == "doors").map_or(0.0, |(_, term)| term)
 }
 
 /// What sets two units apart by less is no reason.
@@ -166,13 +172,9 @@ fn terms(clues: &Clues, said: Said, unit: Unit) -> [f64; CODES.len()] {
 fn terms_at(clues: &Clues, said: Said, unit: Unit, scale: f64) -> [f64; CODES.len()] {
     let metres = unit.metres * scale;
     let is_imperial = matches!(unit.name, "in" | "ft");
-    let longer = clues.largest * metres;
-    let is_scaleless = longer > 0.0 && longer.max(clues.extent * metres) < SMALL_PLAN_M;
-    // Walls and doors of the right size in what is too small for a room are right by chance.
-    let by_size = |term: f64| if is_scaleless && longer < ROOMS_MIN_M { term.min(0.0) } else { term };
-    let size = match longer {
+    let size = match clues.largest * metres {
         0.0 => 0.0,
-        _ if is_scaleless => SCALELESS_SHARE.ln(),
+        small if small < SMALL_PLAN_M && clues.extent * metres < SMALL_PLAN_M => SCALELESS_SHARE.ln(),
         size => fit(&SIZE, size),
     };
     let letters = clues.letters.map_or(0.0, |l| fit(&LETTERS, l * metres));
@@ -187,11 +189,11 @@ fn terms_at(clues: &Clues, said: Said, unit: Unit, scale: f64) -> [f64; CODES.le
     [
         header(said, unit),
         size,
-        by_size(walls(clues, metres)),
-        by_size(doors(clues, metres)),
+        walls(clues, metres),
+        doors(clues, metres),
         dimensions(&clues.stated, metres),
         areas(clues, metres),
-        by_size(letters),
+        letters,
         imperial,
         usual(unit).ln() + system,
     ]
@@ -395,30 +397,6 @@ mod tests {
             ..Clues::default()
         };
         assert_eq!(found(&rooms, None).0, "m");
-    }
-
-    /// A hall of 168 m with single lines 9 m apart would be 1.68 m long in centimetres, with walls as thick as walls; a bath
-    /// of 3.8 m is a room, and its walls count.
-    #[test]
-    fn walls_in_what_is_too_small_for_a_room_are_right_by_chance() {
-        let lines = |apart: f64, extent: f64| Clues {
-            gaps: vec![Gap { nearest: apart, beyond: Vec::new(), length: apart }; 20],
-            paired_share: 0.5,
-            extent,
-            largest: extent,
-            ..Clues::default()
-        };
-        let in_unit = |clues: &Clues, declared: &str, name: &str| {
-            let weighed = weigh(clues, Said { declared: Some(unit(declared)), is_metric: None });
-            weighed.into_iter().find(|w| w.unit.name == name).unwrap()
-        };
-        let hall = lines(9.0, 168.0);
-        assert!(walls(&hall, 0.01) > 0.5);
-        let walls_in_cm = in_unit(&hall, "m", "cm").terms[2];
-        assert!(walls_in_cm <= 0.0, "{walls_in_cm}");
-        assert_eq!(found(&hall, Some("m")).0, "m");
-        let bath = lines(10.0, 380.0);
-        assert!(in_unit(&bath, "cm", "cm").terms[2] > 0.5);
     }
 
     #[test]
