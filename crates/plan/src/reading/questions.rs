@@ -363,13 +363,13 @@ mod tests {
     fn an_unsure_unit_asks_how_thick_a_wall_is() {
         let mut plan = plan();
         plan.reading.unit.confidence = UNIT_SURE - 0.3;
-        plan.reading.unit.runner_up = Some((UNITS[3], 0.4));
+        plan.reading.unit.runner_up = Some((UNITS[4], 0.4));
         let doubts = asked(&plan, [0.9; 4], None, Settled::default());
         let [Doubt { question, .. }] = &doubts[..] else { panic!("{doubts:?}") };
         assert!(
             matches!(question, Question::Unit { witness: Witness::Wall, length, .. } if (length - 0.2).abs() < 1e-9)
         );
-        assert_eq!(question.corrections(), [Correction::Unit(UNITS[0]), Correction::Unit(UNITS[3])]);
+        assert_eq!(question.corrections(), [Correction::Unit(UNITS[0]), Correction::Unit(UNITS[4])]);
         assert_eq!(asked(&plan, [0.9; 4], None, Settled { unit: true, ..Settled::default() }), []);
     }
 
