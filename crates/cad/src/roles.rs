@@ -288,6 +288,7 @@ pub fn role_by_name(layer: &str) -> (Role, String) {
         }
         return (role, format!("its name has the word {word:?} ({})", role.words()));
     }
+    // After all others: a plumbing partition is a partition.
     if let Some(said) = ThingKind::word_of_layer(name) {
         return (Role::Furniture, format!("its name has the word {said:?} ({})", Role::Furniture.words()));
     }

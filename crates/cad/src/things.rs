@@ -59,17 +59,18 @@ impl ThingKind {
 
     /// What a name says that a thing is, by the first pattern that fits.
     pub fn of_name(name: &str) -> Option<Self> {
-        fitting(name).map(|kind| kind.1).next()
+        fitting(name).map(|pattern| pattern.kind).next()
     }
 
     /// The word by which a layer's name says that it holds what stands in rooms.
     pub fn word_of_layer(name: &str) -> Option<&'static str> {
-        fitting(name).map(|(said, _)| said).find(|said| LAYERS.split_ascii_whitespace().any(|w| w == *said))
+        fitting(name).find(|pattern| pattern.names_layers).map(|pattern| pattern.said)
     }
 }
 
 /// Words of names, in the order of their say: `sofa bed` is a sofa, `desk chair` a chair. `_` joins words that follow one
-/// another, `*` begins what may end a longer word.
+/// another, `*` begins what may end a longer word. After those with a `+` layers are named: most of the others name rooms too
+/// (`lounge`, `bureau`, `bathroom`, `LAV`), whose walls would be lost, or are parts of longer words.
 const WORDS: &[(ThingKind, &str)] = &[
     (
         ThingKind::Fridge,
@@ -108,21 +109,21 @@ const WORDS: &[(ThingKind, &str)] = &[
     (ThingKind::Sink, "sink sinks zlewozmywak_maly kitchen_or_bath"),
     (
         ThingKind::Sofa,
-        "sofa sofas sofabed sofa_bed couch couches loveseat settee armchair arm_chair lounge recliner television tv tvset coffee_table coffeetable fernseher sessel canape fauteuil divano poltrona divani sillon butaca butacas \
+        "+sofa +sofas sofabed sofa_bed +couch +couches loveseat settee armchair arm_chair lounge recliner television tv tvset coffee_table coffeetable fernseher sessel canape fauteuil divano poltrona divani sillon butaca butacas \
          poltrona bank zetel kanapa fotel диван кресло телевизор pohovka kreslo koltuk kanepe 沙发 电视 电视柜 茶几 ソファ 소파",
     ),
     (
         ThingKind::Chair,
-        "chair chairs stool stools seat armless seating stuhl stuhle burostuhl *stuhl hocker chaise chaises tabouret sedia sedie sgabello silla sillas taburete cadeira cadeiras stoel stoelen krzeslo krzesla стул zidle sandalye 椅 椅子 餐椅 イス 의자",
+        "+chair +chairs stool stools seat armless seating stuhl stuhle burostuhl *stuhl hocker chaise chaises tabouret sedia sedie sgabello silla sillas taburete cadeira cadeiras stoel stoelen krzeslo krzesla стул zidle sandalye 椅 椅子 餐椅 イス 의자",
     ),
     (
         ThingKind::Bed,
-        "bed beds doublebed singlebed queenbed kingbed bunk cot crib mattress bedside nightstand night_stand night_table headboard bett betten *bett doppelbett einzelbett nachttisch lit lits chevet letto letti comodino \
+        "+bed +beds doublebed singlebed queenbed kingbed bunk cot crib mattress bedside nightstand night_stand night_table headboard bett betten *bett doppelbett einzelbett nachttisch lit lits chevet letto letti comodino \
          cama camas camita beliche bedden *bed lozko lozka кровать кровати тумба_прикроватная postel luzko yatak karyola 床 双人床 单人床 床头柜 ベッド 침대",
     ),
     (
         ThingKind::Wardrobe,
-        "wardrobe wardrobes armoire closet robe coats kleiderschrank schrank garderobe guardaroba armadio ropero placard guarda_roupa kledingkast szafa шкаф skrin gardirop dolap 衣柜 クローゼット 옷장",
+        "+wardrobe +wardrobes armoire closet robe coats kleiderschrank schrank garderobe guardaroba armadio ropero placard guarda_roupa kledingkast szafa шкаф skrin gardirop dolap 衣柜 クローゼット 옷장",
     ),
     (
         ThingKind::Board,
@@ -130,15 +131,15 @@ const WORDS: &[(ThingKind, &str)] = &[
     ),
     (
         ThingKind::Desk,
-        "desk desks workstation work_station computer pc monitor schreibtisch *schreibtisch arbeitstisch bureau scrivania escritorio secretaria_mesa bureautafel biurko psaci_stul calisma_masasi 书桌 办公桌 デスク 机 책상",
+        "+desk +desks workstation work_station computer pc monitor schreibtisch *schreibtisch arbeitstisch bureau scrivania escritorio secretaria_mesa bureautafel biurko psaci_stul calisma_masasi 书桌 办公桌 デスク 机 책상",
     ),
     (
         ThingKind::Table,
-        "table tables dining esstisch tisch *tisch tavolo tavoli mesa mesas tafels eettafel stol stoly стол stul masa 餐桌 桌 テーブル 식탁",
+        "+table +tables dining esstisch tisch *tisch tavolo tavoli mesa mesas tafels eettafel stol stoly стол stul masa 餐桌 桌 テーブル 식탁",
     ),
     (
         ThingKind::Shelf,
-        "sideboard shelf shelves shelving bookcase bookcases bookshelf bookshelves dresser locker lockers filing_cabinet filecabinet regal regale *regal bucherregal kommode anrichte aktenschrank etagere etageres \
+        "sideboard +shelf +shelves shelving bookcase bookcases bookshelf bookshelves dresser locker lockers filing_cabinet filecabinet regal regale *regal bucherregal kommode anrichte aktenschrank etagere etageres \
          bibliotheque buffet libreria scaffale credenza estante estanteria aparador cajonera boekenkast dressoir regal_na_ksiazki komoda полка стеллаж комод regal_knihovna kitaplik 书架 书柜 棚 本棚 책장",
     ),
     (
@@ -155,7 +156,7 @@ const WORDS: &[(ThingKind, &str)] = &[
     ),
     (
         ThingKind::Sanitary,
-        "sanitary sanitaryterminal sanitar* sanitaer* sanr plumbing plumb plfx fixture fixtures bathroom toiletten sanitaire sanitaires sanitari sanitarios sanitair сантехника 洁具 卫浴 衛生 위생기구",
+        "+sanitary +sanitaryterminal sanitar* +sanr +plumbing +plumb +plfx +fixture +fixtures bathroom toiletten sanitaire sanitaires sanitari sanitarios sanitair +сантехника +洁具 +卫浴 衛生 +위생기구",
     ),
 ];
 
@@ -166,13 +167,13 @@ enum Fit {
     Joined,
 }
 
-/// Those of [`WORDS`] after which layers of things are named. Most of the others name rooms too (`lounge`, `bureau`, `bathroom`,
-/// `LAV`), whose walls would be lost, or are parts of longer words.
-const LAYERS: &str = "sanitary sanitaryterminal sanr plumbing plumb plfx fixture fixtures chair chairs desk desks sofa sofas \
-    bed beds wardrobe wardrobes table tables shelf shelves couch couches сантехника 洁具 卫浴 위생기구";
-
-/// What it stands for, as it is listed, and its words.
-type Pattern = (ThingKind, &'static str, Vec<(Fit, String)>);
+struct Pattern {
+    kind: ThingKind,
+    /// As it is listed.
+    said: &'static str,
+    names_layers: bool,
+    words: Vec<(Fit, String)>,
+}
 
 static PATTERNS: LazyLock<Vec<Pattern>> = LazyLock::new(|| {
     let word = |text: &str| {
@@ -185,11 +186,13 @@ static PATTERNS: LazyLock<Vec<Pattern>> = LazyLock::new(|| {
         };
         (fit, plain)
     };
-    let of = |(kind, list): &(ThingKind, &'static str)| {
-        let kind = *kind;
-        list.split_ascii_whitespace().map(|t| (kind, t, t.split('_').map(word).collect())).collect::<Vec<_>>()
+    let pattern = |kind: ThingKind, listed: &'static str| {
+        let said = listed.trim_start_matches('+');
+        let words = said.split('_').map(word).collect();
+        Pattern { kind, said, names_layers: said != listed, words }
     };
-    WORDS.iter().flat_map(of).collect()
+    let listed = WORDS.iter().flat_map(|(kind, list)| list.split_ascii_whitespace().map(|t| (*kind, t)));
+    listed.map(|(kind, listed)| pattern(kind, listed)).collect()
 });
 
 /// Where patterns are found, by their numbers.
@@ -203,8 +206,8 @@ struct Index {
 
 static INDEX: LazyLock<Index> = LazyLock::new(|| {
     let mut index = Index::default();
-    for (i, (_, _, pattern)) in PATTERNS.iter().enumerate() {
-        match pattern.first() {
+    for (i, pattern) in PATTERNS.iter().enumerate() {
+        match pattern.words.first() {
             Some((Fit::Whole, word)) => index.by_first.entry(word).or_default().push(i),
             _ => index.parts.push(i),
         }
@@ -213,7 +216,7 @@ static INDEX: LazyLock<Index> = LazyLock::new(|| {
 });
 
 /// The patterns that fit a name, in the order of their say. A hundred thousand names are no trouble.
-fn fitting(name: &str) -> impl Iterator<Item = (&'static str, ThingKind)> {
+fn fitting(name: &str) -> impl Iterator<Item = &'static Pattern> {
     let words: Vec<String> = words(name).iter().map(|w| bare(w)).collect();
     let fits = |word: &str, (fit, listed): &(Fit, String)| match fit {
         Fit::Whole => word == listed,
@@ -222,13 +225,13 @@ fn fitting(name: &str) -> impl Iterator<Item = (&'static str, ThingKind)> {
         Fit::Joined => word.contains(listed.as_str()),
     };
     let is_here = |i: &usize| {
-        let pattern = &PATTERNS[*i].2;
+        let pattern = &PATTERNS[*i].words;
         words.windows(pattern.len()).any(|w| w.iter().zip(pattern).all(|(w, p)| fits(w, p)))
     };
     let by_word = words.iter().filter_map(|w| INDEX.by_first.get(w.as_str())).flatten();
     let mut found: Vec<usize> = by_word.chain(&INDEX.parts).copied().filter(is_here).collect();
     found.sort_unstable();
-    found.into_iter().map(|i| (PATTERNS[i].1, PATTERNS[i].0))
+    found.into_iter().map(|i| &PATTERNS[i])
 }
 
 #[cfg(test)]
@@ -277,10 +280,6 @@ mod tests {
             ("wall", None),
         ] {
             assert_eq!(ThingKind::word_of_layer(name), word, "{name}");
-        }
-        let listed: Vec<&str> = PATTERNS.iter().map(|p| p.1).collect();
-        for word in LAYERS.split_ascii_whitespace() {
-            assert!(listed.contains(&word), "{word} is in no pattern");
         }
     }
 }

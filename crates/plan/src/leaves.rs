@@ -127,13 +127,10 @@ impl Pieces {
                 return None;
             }
             let [at, far] = [1.0, 2.0].map(|leaves| hinge + jamb.out * length * leaves);
-            let is_one = self.goes_on(&jamb, at, own) && self.is_clear_between(hinge, at, own);
-            let is_of_two = || {
-                self.goes_on(&jamb, far, own)
-                    && self.is_clear_between(hinge, at, own)
-                    && self.has_leaf(far, far + DVec2::from_angle(PI - 2.0 * open).rotate(end - hinge), own)
-            };
-            (is_one || is_of_two()).then_some(at)
+            let mirrored = DVec2::from_angle(PI - 2.0 * open).rotate(end - hinge);
+            let has_twin = || self.goes_on(&jamb, far, own) && self.has_leaf(far, far + mirrored, own);
+            let closes = self.goes_on(&jamb, at, own) || has_twin();
+            (closes && self.is_clear(hinge, at, own)).then_some(at)
         })
     }
 
@@ -156,13 +153,10 @@ impl Pieces {
         })
     }
 
-    /// Whether no wall crosses the way between two jambs.
-    fn is_clear_between(&self, hinge: DVec2, at: DVec2, own: usize) -> bool {
+    /// Whether no wall crosses the way of a leaf from its hinge to where it closes.
+    fn is_clear(&self, hinge: DVec2, at: DVec2, own: usize) -> bool {
         let frame = (at - hinge).normalize() * FINISH_MAX_M;
-        self.is_clear(hinge + frame, at - frame, own)
-    }
-
-    fn is_clear(&self, a: DVec2, b: DVec2, own: usize) -> bool {
+        let [a, b] = [hinge + frame, at - frame];
         let parts = |[p, q]: [DVec2; 2], [c, d]: [DVec2; 2]| {
             (d - c).perp_dot(p - c).signum() * (d - c).perp_dot(q - c).signum() < 0.0
         };

@@ -67,9 +67,6 @@ pub const OPENING_MAX_M: f64 = 8.0;
 /// Widest opening between a wall's end and another wall's side.
 pub const SIDE_OPENING_MAX_M: f64 = 1.3;
 
-/// The longer side of the smallest plan that is asked about: a bath and its walls.
-pub const ROOMS_MIN_M: f64 = 3.0;
-
 /// Largest side of a column.
 pub const COLUMN_MAX_M: f64 = 1.5;
 

@@ -46,10 +46,10 @@ pub(crate) fn reading(base: &Understood, drawing: &Drawing, (sensed, rooms): (&S
             name: plan.unit.unit.name.into(),
             confidence: share(sense.confidence),
             reasons: sense.reasons.iter().map(|r| (*r).to_owned()).collect(),
-            runner_up: sense.runner_up.map(|(unit, confidence)| UnitRival {
-                metres: unit.metres,
-                name: unit.name.into(),
-                confidence: share(confidence),
+            runner_up: sense.runner_up.map(|rival| UnitRival {
+                metres: rival.unit.metres,
+                name: rival.unit.name.into(),
+                confidence: share(rival.probability),
             }),
         },
         views: views(plan, drawing, &at),

@@ -43,10 +43,19 @@ pub struct UnitSense {
     /// Codes of the evidence that sets it apart from the next best, the strongest first: `user`, `heights` or those of
     /// [`unit::CODES`].
     pub reasons: Vec<&'static str>,
-    /// The next best unit and how likely it is.
-    pub runner_up: Option<(Unit, f64)>,
-    /// Whether doors are drawn that speak for the next best.
-    pub doors_disagree: bool,
+    /// The next best unit, or the best where another one is stated.
+    pub runner_up: Option<Rival>,
+}
+
+/// A unit that the drawing may be in as well.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rival {
+    /// The unit.
+    pub unit: Unit,
+    /// How likely it is, 0 to 1.
+    pub probability: f64,
+    /// Whether doors are drawn that speak for it.
+    pub has_doors: bool,
 }
 
 /// What a drawing is taken for. See the module page.

@@ -4,12 +4,11 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::RoleSense;
+use super::{Rival, RoleSense};
 use crate::Plan;
 use crate::axes::{AxisGraph, OpeningKind};
 use crate::floor::Floor;
 use crate::kinds::{RoomKind, RoomKindFound};
-use crate::sizes::ROOMS_MIN_M;
 use enfilade_cad::drawing::Unit;
 use enfilade_cad::units::UNITS;
 
@@ -28,8 +27,8 @@ const QUESTIONS_MAX: usize = 2;
 /// Most answers to a question.
 const ANSWERS_MAX: usize = 4;
 
-/// Plans up to this size make a unit an answer where no rival is known, metres.
-const SIZE_MAX_M: f64 = 1_000.0;
+/// Sizes of plans that make a unit an answer where no rival is known, metres: from a bath with its walls.
+const SIZE_M: [f64; 2] = [3.0, 1_000.0];
 
 /// What shows how long a unit is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -223,17 +222,16 @@ fn unit(plan: &Plan, axes: &AxisGraph) -> Option<Doubt> {
         (None, Some(thickness)) => (Witness::Wall, thickness * from_person),
         (None, None) => (Witness::Plan, size),
     };
-    let rival = sense.runner_up.map(|r| r.0);
-    // In which the whole plan is smaller than a room, no door fits, and which the file does not state, nobody drew it.
-    let is_too_small = rival.is_some_and(|u| size * u.metres < ROOMS_MIN_M) && !sense.doors_disagree;
-    if !plan.unit.is_assumed && is_too_small {
+    // Nobody drew it in a unit that the file does not state, in which the plan is smaller than a room and no door fits.
+    let is_absurd = |r: &Rival| size * r.unit.metres < SIZE_M[0] && !r.has_doors;
+    if !plan.unit.is_assumed && sense.runner_up.as_ref().is_some_and(is_absurd) {
         return None;
     }
     let mut units = vec![taken];
-    units.extend(rival);
+    units.extend(sense.runner_up.map(|r| r.unit));
     if units.len() < 2 {
         let fits =
-            |u: &Unit| u.metres != taken.metres && (ROOMS_MIN_M..=SIZE_MAX_M).contains(&(size * u.metres));
+            |u: &Unit| u.metres != taken.metres && (SIZE_M[0]..=SIZE_M[1]).contains(&(size * u.metres));
         units.extend(UNITS.into_iter().filter(fits));
     }
     units.truncate(ANSWERS_MAX);
@@ -346,10 +344,9 @@ mod tests {
     fn a_rival_smaller_than_a_room_is_asked_about_where_doors_speak_for_it() {
         let mut plan = plan();
         plan.reading.unit.confidence = UNIT_SURE - 0.1;
-        let mut is_asked = |rival: &str, doors_disagree: bool, is_assumed: bool| {
-            let rival = enfilade_cad::units::unit_by_name(rival).unwrap();
-            (plan.reading.unit.runner_up, plan.reading.unit.doors_disagree) =
-                (Some((rival, 0.1)), doors_disagree);
+        let mut is_asked = |rival: &str, has_doors: bool, is_assumed: bool| {
+            let unit = enfilade_cad::units::unit_by_name(rival).unwrap();
+            plan.reading.unit.runner_up = Some(Rival { unit, probability: 0.1, has_doors });
             plan.unit.is_assumed = is_assumed;
             !asked(&plan, [1.0; 4], None, Settled::default()).is_empty()
         };
@@ -363,7 +360,7 @@ mod tests {
     fn an_unsure_unit_asks_how_thick_a_wall_is() {
         let mut plan = plan();
         plan.reading.unit.confidence = UNIT_SURE - 0.3;
-        plan.reading.unit.runner_up = Some((UNITS[4], 0.4));
+        plan.reading.unit.runner_up = Some(Rival { unit: UNITS[4], probability: 0.4, has_doors: false });
         let doubts = asked(&plan, [0.9; 4], None, Settled::default());
         let [Doubt { question, .. }] = &doubts[..] else { panic!("{doubts:?}") };
         assert!(

@@ -4,9 +4,9 @@
 //! probability for every unit. Middles and widths of the bells are those of the doors, walls, letters and buildings in 20
 //! labelled drawings by 15 authors; the shares were set by hand, with 24 more by 11 authors and 124 drawn from IFC in view.
 
-use super::UnitSense;
 use super::clues::{Clues, Gap, Stated};
 use super::lengths::Length;
+use super::{Rival, UnitSense};
 use crate::frame::{SMALL_PLAN_M, scales};
 use enfilade_cad::drawing::Unit;
 use enfilade_cad::units::UNITS;
@@ -14,6 +14,9 @@ use enfilade_cad::units::UNITS;
 /// Codes of the terms, in their order, as [`UnitSense::reasons`] names them.
 pub const CODES: [&str; 9] =
     ["header", "size", "walls", "doors", "dimensions", "areas", "letters", "imperial", "usual"];
+
+/// The place of the doors' term in [`CODES`].
+const DOORS: usize = 3;
 
 /// What every term counts, since they are not quite independent: fitted for the probability of the right unit in 124
 /// drawings made from IFC; 32 drawings by 22 authors ask for between 0.5 and 1.
@@ -101,6 +104,13 @@ pub struct Weighed {
     pub terms: [f64; CODES.len()],
 }
 
+impl Weighed {
+    /// It beside the unit that is taken. Doors speak for it where their term is above 0; where none is drawn it is 0.
+    fn rival(&self) -> Rival {
+        Rival { unit: self.unit, probability: self.probability, has_doors: self.terms[DOORS] > 0.0 }
+    }
+}
+
 /// Every unit that has a name, and the declared one, with the evidence for it; the likeliest first.
 pub fn weigh(clues: &Clues, said: Said) -> Vec<Weighed> {
     let odd = said.declared.filter(|d| UNITS.iter().all(|u| u.name != d.name));
@@ -128,22 +138,14 @@ pub fn sense(weighed: &[Weighed]) -> UnitSense {
     UnitSense {
         confidence: first.probability,
         reasons: apart.into_iter().filter(|(by, _)| *by > REASON_MIN).map(|(_, code)| code).collect(),
-        runner_up: Some((second.unit, second.probability)),
-        doors_disagree: doors_of(second) > 0.0,
+        runner_up: Some(second.rival()),
     }
 }
 
 /// How sure a unit is that is taken although another one is likelier.
 pub fn sense_of(weighed: &[Weighed], taken: Unit) -> UnitSense {
     let confidence = weighed.iter().find(|w| w.unit == taken).map_or(0.0, |w| w.probability);
-    let runner_up = weighed.first().map(|w| (w.unit, w.probability));
-    let doors_disagree = weighed.first().is_some_and(|w| doors_of(w) > 0.0);
-    UnitSense { confidence, reasons: vec![CODES[0]], runner_up, doors_disagree }
-}
-
-/// How much doors speak for a unit: a logarithm, 0 where none is drawn.
-fn doors_of(weighed: &Weighed) -> f64 {
-    CODES.iter().zip(weighed.terms).find(|(code, _)| **code == "doors").map_or(0.0, |(_, term)| term)
+    UnitSense { confidence, reasons: vec![CODES[0]], runner_up: weighed.first().map(Weighed::rival) }
 }
 
 /// What sets two units apart by less is no reason.
@@ -418,8 +420,9 @@ mod tests {
     #[test]
     fn the_reasons_are_the_strongest_terms() {
         let said = Said { declared: Some(unit("mm")), is_metric: Some(true) };
+        assert_eq!(CODES[DOORS], "doors");
         let sense = sense(&weigh(&house(unit("m")), said));
         assert!(sense.confidence > 0.8 && sense.reasons.contains(&"doors"), "{sense:?}");
-        assert!(sense.runner_up.is_some_and(|(u, p)| u.name != "m" && p < 0.2));
+        assert!(sense.runner_up.is_some_and(|r| r.unit.name != "m" && r.probability < 0.2));
     }
 }
